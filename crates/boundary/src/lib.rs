@@ -1,0 +1,1 @@
+//! What stands where the mesh ends: viscous and viscous-spring boundaries with free-field input.

@@ -1,0 +1,1 @@
+//! Pairs of nodes across a joint.

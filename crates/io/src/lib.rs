@@ -1,0 +1,1 @@
+//! Files in and out: Gmsh meshes, accelerograms, VTU, CSV and JSON.

@@ -1,0 +1,1 @@
+//! Constitutive laws of rock and concrete; each runs without a mesh.

@@ -1,0 +1,135 @@
+//! Joints and other conditions that correct a predicted motion.
+
+use crate::{Mat3, RunError, Vec3};
+
+/// The motion that the integrator predicts without the constraint, at the constraint's own nodes.
+///
+/// All slices are in the order of [`Constraint::nodes`]. A constraint changes `velocity` by
+/// `step * inverse_mass * force`, nothing else; the engine then moves the nodes.
+#[non_exhaustive]
+pub struct PredictedMotion<'a> {
+    /// Step number.
+    pub number: u64,
+    /// Time at the step's start (s).
+    pub time: f64,
+    /// Length of the step (s).
+    pub step: f64,
+    /// Displacement at the step's start (m).
+    pub displacement: &'a [Vec3],
+    /// Velocity before the step (m/s), half a step before `time`.
+    pub previous: &'a [Vec3],
+    /// Predicted velocity (m/s), half a step after `time`; corrected in place.
+    pub velocity: &'a mut [Vec3],
+    /// Inverse of the effective mass `M + dt/2 C + dt^2/4 K` of each node (1/kg), zero for a node
+    /// that a support holds in a direction.
+    pub inverse_mass: &'a [Mat3],
+}
+
+impl<'a> PredictedMotion<'a> {
+    /// A motion, for engines and for tests of a constraint without an engine.
+    pub fn new(
+        (number, time, step): (u64, f64, f64),
+        displacement: &'a [Vec3],
+        previous: &'a [Vec3],
+        velocity: &'a mut [Vec3],
+        inverse_mass: &'a [Mat3],
+    ) -> Self {
+        Self {
+            number,
+            time,
+            step,
+            displacement,
+            previous,
+            velocity,
+            inverse_mass,
+        }
+    }
+}
+
+/// What the forces of a constraint did in one step, all in J; positive where energy left the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ConstraintWork {
+    /// Dissipated by friction.
+    pub friction: f64,
+    /// Dissipated by breaking bonds.
+    pub bond: f64,
+    /// Lost where masses meet without rebound.
+    pub impact: f64,
+    /// Work of the constraint's forces on the body, negative of what is put in from outside.
+    pub external: f64,
+}
+
+/// A condition on the motion of some nodes.
+///
+/// ```
+/// use powerhouse_model::{Constraint, ConstraintWork, PredictedMotion, RunError, Vec3};
+/// /// Holds nodes in place.
+/// struct Held(Vec<u32>);
+/// impl Constraint for Held {
+///     fn name(&self) -> &str { "held" }
+///     fn nodes(&self) -> &[u32] { &self.0 }
+///     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
+///         motion.velocity.fill(Vec3::zeros());
+///         Ok(ConstraintWork::default())
+///     }
+/// }
+/// ```
+pub trait Constraint: Send {
+    /// The constraint's name in reports.
+    fn name(&self) -> &str;
+    /// Mesh indices of the nodes it reads and corrects, each at most once.
+    fn nodes(&self) -> &[u32];
+    /// Corrects the predicted velocities.
+    ///
+    /// # Errors
+    /// If the condition cannot be met within the constraint's own cap.
+    fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError>;
+}
+
+/// What a joint pair does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ContactState {
+    /// Bonded or stuck.
+    #[default]
+    Stick,
+    /// Sliding.
+    Slide,
+    /// Open.
+    Open,
+}
+
+/// The state of one joint pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointState {
+    /// What it does now.
+    pub contact: ContactState,
+    /// Whether its bond is broken.
+    pub broken: bool,
+    /// Accumulated slip (m).
+    pub slip: f64,
+}
+
+/// Which tractions a joint admits.
+///
+/// A pure function of the trial traction and the pair's state: it runs without a mesh. Normal
+/// components are positive in tension.
+/// ```
+/// use powerhouse_model::{ContactLaw, JointState, ParameterError, Vec3};
+/// /// Presses, never pulls, never rubs.
+/// struct Smooth;
+/// impl ContactLaw for Smooth {
+///     fn name(&self) -> &str { "smooth" }
+///     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
+///         (Vec3::new(trial.x.min(0.0), 0.0, 0.0), *state)
+///     }
+/// }
+/// let (traction, _) = Smooth.admissible(Vec3::new(2.0, 1.0, 0.0), &JointState::default());
+/// assert_eq!(traction, Vec3::zeros());
+/// ```
+pub trait ContactLaw: Send + Sync {
+    /// The law's name in reports.
+    fn name(&self) -> &str;
+    /// The admissible traction (Pa: normal, two tangents) nearest to the one that would close the
+    /// gap and stop the slip, and the new state.
+    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState);
+}

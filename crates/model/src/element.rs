@@ -1,0 +1,301 @@
+//! Elements: arithmetic on a batch, and blocks of them behind one virtual call.
+
+use crate::{HistoryField, Lane, Mat3, NodalView, NodalViewMut, Strain, Stress, Vec3};
+
+/// Element arithmetic on one batch of lanes: it knows no mesh and no thread.
+///
+/// `N` is the number of nodes, `P` the number of integration points. A kernel turns corner
+/// positions into geometry numbers once, then nodal values into strains at the points, and
+/// stresses at the points into nodal forces.
+///
+/// The one-node-per-corner truss, as a kernel of one point:
+/// ```
+/// use powerhouse_model::{ElementKernel, Lane, Strain, Stress, Vec3};
+/// /// A bar along x with unit section.
+/// #[derive(Clone)]
+/// struct Bar;
+/// impl ElementKernel<2, 1> for Bar {
+///     fn name(&self) -> &'static str { "bar-x" }
+///     fn geometry_len(&self) -> usize { 1 }
+///     fn geometry(&self, corners: &[Vec3; 2], out: &mut [f64]) { out[0] = corners[1].x - corners[0].x; }
+///     fn volumes(&self, corners: &[Vec3; 2]) -> [f64; 1] { [(corners[1] - corners[0]).x] }
+///     fn node_shares(&self, _corners: &[Vec3; 2]) -> [f64; 2] { [0.5, 0.5] }
+///     fn strains<L: Lane>(&self, geometry: &[L], values: &[[L; 3]; 2], out: &mut [Strain<L>; 1]) {
+///         let zero = values[0][0].constant(0.0);
+///         out[0] = Strain([(values[1][0] - values[0][0]) / geometry[0], zero, zero, zero, zero, zero]);
+///     }
+///     fn add_forces<L: Lane>(&self, _geometry: &[L], stresses: &[Stress<L>; 1], out: &mut [[L; 3]; 2]) {
+///         out[0][0] = out[0][0] - stresses[0].0[0];
+///         out[1][0] = out[1][0] + stresses[0].0[0];
+///     }
+///     fn hourglass<L: Lane>(&self, _g: &[L], _m: L, _v: &[[L; 3]; 2], _out: &mut [[L; 3]; 2]) -> Option<L> { None }
+/// }
+/// ```
+pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + 'static {
+    /// The kernel's name in scenes and reports.
+    fn name(&self) -> &'static str;
+    /// How many geometry numbers an element has.
+    fn geometry_len(&self) -> usize;
+    /// The geometry numbers of one element from its corners (m); lengths are exact in `f64`.
+    fn geometry(&self, corners: &[Vec3; N], out: &mut [f64]);
+    /// The volume that each integration point stands for (m3).
+    fn volumes(&self, corners: &[Vec3; N]) -> [f64; P];
+    /// The share of the element's volume that lumps at each node; sums to one.
+    fn node_shares(&self, corners: &[Vec3; N]) -> [f64; N];
+    /// Strains at the points from nodal displacements, or strain rates from velocities.
+    fn strains<L: Lane>(&self, geometry: &[L], values: &[[L; 3]; N], out: &mut [Strain<L>; P]);
+    /// Adds the nodal forces of stresses at the points, `sum_p B_p^T sigma_p V_p` (N).
+    fn add_forces<L: Lane>(&self, geometry: &[L], stresses: &[Stress<L>; P], out: &mut [[L; 3]; N]);
+    /// Adds the forces that resist the modes which the points do not see, for a medium whose
+    /// hourglass modulus is `modulus` (Pa); returns the energy held by them (J), or `None` if the
+    /// kernel has no such modes.
+    fn hourglass<L: Lane>(
+        &self,
+        geometry: &[L],
+        modulus: L,
+        values: &[[L; 3]; N],
+        out: &mut [[L; 3]; N],
+    ) -> Option<L>;
+}
+
+/// What a block is told at a step. Fields may be added.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct BlockContext<'a> {
+    /// Time (s).
+    pub time: f64,
+    /// Step number.
+    pub number: u64,
+    /// Length of the step (s).
+    pub step: f64,
+    /// Displacement (m), engine numbering.
+    pub displacement: NodalView<'a>,
+    /// Velocity half a step before `time` (m/s), engine numbering.
+    pub velocity: NodalView<'a>,
+    /// Added to the stiffness damping coefficient of every block (s); negative in the paper's
+    /// one-sided scheme.
+    pub damping_shift: f64,
+    /// Whether the block must account for its energies in this step.
+    pub ledger: bool,
+}
+
+impl<'a> BlockContext<'a> {
+    /// A context at a time, for engines and tests.
+    pub fn new(
+        (number, time, step): (u64, f64, f64),
+        displacement: NodalView<'a>,
+        velocity: NodalView<'a>,
+    ) -> Self {
+        Self {
+            time,
+            number,
+            step,
+            displacement,
+            velocity,
+            damping_shift: 0.0,
+            ledger: false,
+        }
+    }
+    /// The same with the stiffness damping shifted (s).
+    #[must_use]
+    pub fn with_damping_shift(mut self, shift: f64) -> Self {
+        self.damping_shift = shift;
+        self
+    }
+    /// The same with or without the energy account.
+    #[must_use]
+    pub fn with_ledger(mut self, ledger: bool) -> Self {
+        self.ledger = ledger;
+        self
+    }
+}
+
+/// A linear operator of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operator {
+    /// Initial stiffness.
+    Elastic,
+    /// Stress over strain at the present state.
+    Secant,
+    /// Derivative of stress at the present state.
+    Tangent,
+}
+
+/// Energies of a block (J).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BlockEnergy {
+    /// Recoverable.
+    pub elastic: f64,
+    /// Held by hourglass resistance.
+    pub hourglass: f64,
+    /// Dissipated by plastic flow, accumulated.
+    pub plastic: f64,
+    /// Dissipated by damage, accumulated.
+    pub damage: f64,
+    /// Recovered by crack closure, accumulated.
+    pub recovery: f64,
+    /// Dissipated by stiffness damping, accumulated.
+    pub damping: f64,
+    /// Dissipated and stored by relaxation mechanisms, accumulated.
+    pub relaxation: f64,
+}
+
+impl core::ops::AddAssign for BlockEnergy {
+    fn add_assign(&mut self, other: Self) {
+        self.elastic += other.elastic;
+        self.hourglass += other.hourglass;
+        self.plastic += other.plastic;
+        self.damage += other.damage;
+        self.recovery += other.recovery;
+        self.damping += other.damping;
+        self.relaxation += other.relaxation;
+    }
+}
+
+impl BlockEnergy {
+    /// The sum of all columns (J).
+    pub fn total(&self) -> f64 {
+        self.elastic
+            + self.hourglass
+            + self.plastic
+            + self.damage
+            + self.recovery
+            + self.damping
+            + self.relaxation
+    }
+}
+
+/// Which term sets an element's bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimitingTerm {
+    /// The element's own stiffness and mass.
+    Stiffness,
+    /// Its stiffness damping.
+    StiffnessDamping,
+}
+
+/// The highest natural frequency that one element can have alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrequencyBound {
+    /// Mesh index of the element.
+    pub element: u32,
+    /// Bound on the angular frequency (rad/s), from the eigenvalue of the actual kernel.
+    pub frequency: f64,
+    /// Stiffness damping coefficient of the element (s).
+    pub stiffness_damping: f64,
+}
+
+/// An element could not be computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementFault {
+    /// Mesh index of the element.
+    pub element: u32,
+    /// Why.
+    pub reason: String,
+}
+
+/// How an engine numbers nodes.
+#[derive(Clone, Debug, Default)]
+pub struct Numbering {
+    /// Engine number of each mesh node (and of additional nodes after them).
+    pub engine_of: Vec<u32>,
+    /// Mesh index of each engine node.
+    pub mesh_of: Vec<u32>,
+}
+
+/// Elements of one set with one kernel, one law and one lane, behind one virtual call per step.
+///
+/// A block is also the unit of parallel work: an engine splits a large set into blocks and calls
+/// them side by side. It reads nodes in engine numbering and writes the forces of its own nodes,
+/// so that their sum has a fixed order whatever the number of threads. Blocks carry a level
+/// (local time steps) and an owner (rank or device), today always zero.
+///
+/// A massless block that pulls one node to its place:
+/// ```
+/// use powerhouse_model::*;
+/// struct Anchor { nodes: Vec<u32>, stiffness: f64 }
+/// impl ElementBlock for Anchor {
+///     fn label(&self) -> &str { "anchor" }
+///     fn elements(&self) -> &[u32] { &[] }
+///     fn nodes(&self) -> &[u32] { &self.nodes }
+///     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
+///         self.apply(Operator::Elastic, context.displacement, out);
+///         Ok(())
+///     }
+///     fn commit(&mut self) {}
+///     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
+///         let force = x.vector(self.nodes[0] as usize) * self.stiffness;
+///         match out {
+///             NodalViewMut::F64(out) => out[0] = Quad::from_vector(&force),
+///             NodalViewMut::F32(out) => out[0] = Quad::from_vector(&force),
+///         }
+///     }
+///     fn diagonal(&self, _operator: Operator, out: &mut [Mat3]) { out[0] += Mat3::identity() * self.stiffness; }
+///     fn add_mass(&self, _out: &mut [f64]) {}
+///     fn frequency_bounds(&self) -> Vec<FrequencyBound> { Vec::new() }
+///     fn stiffness_damping(&self) -> f64 { 0.0 }
+///     fn mass_damping(&self) -> f64 { 0.0 }
+///     fn set_active(&mut self, _active: &[bool]) {}
+///     fn set_reference_displacement(&mut self, _displacement: NodalView) {}
+///     fn set_initial_stress(&mut self, _stress: &[Stress]) {}
+///     fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
+///     fn energy(&self, context: &BlockContext) -> BlockEnergy {
+///         let u = context.displacement.vector(self.nodes[0] as usize);
+///         BlockEnergy { elastic: 0.5 * self.stiffness * u.norm_squared(), ..BlockEnergy::default() }
+///     }
+///     fn history(&self) -> Vec<HistoryField> { Vec::new() }
+///     fn set_history(&mut self, _fields: &[HistoryField]) {}
+/// }
+/// ```
+pub trait ElementBlock: Send + Sync {
+    /// The element set that the block belongs to.
+    fn label(&self) -> &str;
+    /// Mesh indices of its elements, in its own order.
+    fn elements(&self) -> &[u32];
+    /// Engine numbers of the nodes that it touches; forces are written in this order.
+    fn nodes(&self) -> &[u32];
+    /// The level of local time stepping: the block steps with `dt / 2^level`.
+    fn level(&self) -> u8 {
+        0
+    }
+    /// The rank or device that owns the block.
+    fn owner(&self) -> u32 {
+        0
+    }
+    /// Writes the internal forces (N), stiffness damping included, of every node of the block;
+    /// they resist the motion. Computes, but does not commit, the new history.
+    ///
+    /// # Errors
+    /// If an element's strain is not finite or its law fails.
+    fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault>;
+    /// Makes the history of the last [`forces`](Self::forces) the old one.
+    fn commit(&mut self);
+    /// Writes the operator times a nodal vector, for every node of the block.
+    fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut);
+    /// Adds the 3 x 3 diagonal blocks of the operator, in the order of [`nodes`](Self::nodes).
+    fn diagonal(&self, operator: Operator, out: &mut [Mat3]);
+    /// Adds lumped masses (kg), in the order of [`nodes`](Self::nodes).
+    fn add_mass(&self, out: &mut [f64]);
+    /// The bound of each element.
+    fn frequency_bounds(&self) -> Vec<FrequencyBound>;
+    /// The stiffness damping coefficient (s).
+    fn stiffness_damping(&self) -> f64;
+    /// The mass damping coefficient (1/s).
+    fn mass_damping(&self) -> f64;
+    /// Switches elements on and off, in the order of [`elements`](Self::elements).
+    fn set_active(&mut self, active: &[bool]);
+    /// From now on strain, hourglass included, is measured from this displacement (engine
+    /// numbering): what is cast later is stress-free in the deformed state.
+    fn set_reference_displacement(&mut self, displacement: NodalView);
+    /// Sets the initial stress (Pa), in the order of [`elements`](Self::elements).
+    fn set_initial_stress(&mut self, stress: &[Stress]);
+    /// Adds the mean change of stress (Pa) of each element under the committed history, in the
+    /// order of [`elements`](Self::elements).
+    fn add_stress(&self, displacement: NodalView, out: &mut [Stress]);
+    /// Energies at the context's displacement (elastic, hourglass) and accumulated ones.
+    fn energy(&self, context: &BlockContext) -> BlockEnergy;
+    /// The committed history, by name.
+    fn history(&self) -> Vec<HistoryField>;
+    /// Takes over what belongs to its elements.
+    fn set_history(&mut self, fields: &[HistoryField]);
+}

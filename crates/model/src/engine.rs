@@ -1,0 +1,221 @@
+//! Time integration and observation.
+
+use crate::{ModelError, RunError, Stress, Vec3};
+
+/// How mass-proportional damping enters a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MassDampingRule {
+    /// On the mean of the old and new velocity, solved for in the nodal diagonal.
+    Implicit,
+    /// On the old velocity.
+    Lagged,
+}
+
+/// Which forces an integrator wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ForceTerms {
+    /// Added to every stiffness damping coefficient (s).
+    pub damping_shift: f64,
+}
+
+impl ForceTerms {
+    /// The forces of the equation of motion as it stands.
+    pub const PLAIN: Self = Self { damping_shift: 0.0 };
+    /// With every stiffness damping coefficient shifted (s).
+    pub fn shifted(damping_shift: f64) -> Self {
+        Self { damping_shift }
+    }
+}
+
+/// What an engine knows about its spectrum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FrequencyLimits {
+    /// Highest angular frequency of the undamped assembled model, or a bound on it (rad/s).
+    pub highest: f64,
+    /// Largest stiffness damping coefficient of any block (s).
+    pub most_stiffness_damping: f64,
+    /// Least stiffness damping coefficient of any block (s).
+    pub least_stiffness_damping: f64,
+    /// Largest mass damping coefficient (1/s).
+    pub most_mass_damping: f64,
+}
+
+impl FrequencyLimits {
+    /// Limits of an undamped model (rad/s).
+    pub fn undamped(highest: f64) -> Self {
+        Self {
+            highest,
+            most_stiffness_damping: 0.0,
+            least_stiffness_damping: 0.0,
+            most_mass_damping: 0.0,
+        }
+    }
+    /// The same with damping: least and most stiffness damping (s), most mass damping (1/s).
+    #[must_use]
+    pub fn with_damping(
+        mut self,
+        least_stiffness: f64,
+        most_stiffness: f64,
+        most_mass: f64,
+    ) -> Self {
+        self.least_stiffness_damping = least_stiffness;
+        self.most_stiffness_damping = most_stiffness;
+        self.most_mass_damping = most_mass;
+        self
+    }
+}
+
+/// The operations that an explicit scheme is composed of; an engine offers them.
+///
+/// A step from `t` to `t + dt` is [`forces`](Self::forces) at `t`, [`kick`](Self::kick),
+/// [`constrain`](Self::constrain), [`drift`](Self::drift).
+pub trait Dynamics {
+    /// Time of the displacement (s).
+    fn time(&self) -> f64;
+    /// Evaluates all forces at the present displacement and velocity.
+    ///
+    /// # Errors
+    /// The element that failed.
+    fn forces(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError>;
+    /// Solves every node for its new velocity, dashpots and springs implicit.
+    ///
+    /// # Errors
+    /// If the motion is no longer finite.
+    fn kick(&mut self, mass_damping: MassDampingRule, step: f64) -> Result<(), RunError>;
+    /// Lets constraints and supports correct the new velocity.
+    ///
+    /// # Errors
+    /// The constraint that failed.
+    fn constrain(&mut self, step: f64) -> Result<(), RunError>;
+    /// Moves the nodes and the time, and commits the history.
+    fn drift(&mut self, step: f64);
+}
+
+/// An explicit scheme.
+///
+/// ```
+/// use powerhouse_model::*;
+/// /// The central difference, nothing else.
+/// struct Plain;
+/// impl TimeIntegrator for Plain {
+///     fn name(&self) -> &'static str { "plain" }
+///     fn stable_step(&self, limits: &FrequencyLimits) -> Result<f64, RunError> { Ok(2.0 / limits.highest) }
+///     fn check(&self, _limits: &FrequencyLimits, _step: f64) -> Result<(), RunError> { Ok(()) }
+///     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
+///         dynamics.forces(ForceTerms::PLAIN, step)?;
+///         dynamics.kick(MassDampingRule::Implicit, step)?;
+///         dynamics.constrain(step)?;
+///         dynamics.drift(step);
+///         Ok(())
+///     }
+/// }
+/// assert_eq!(Plain.stable_step(&FrequencyLimits::undamped(4.0)).unwrap(), 0.5);
+/// ```
+pub trait TimeIntegrator: Send + Sync {
+    /// The scheme's name in scenes and reports.
+    fn name(&self) -> &'static str;
+    /// The largest stable step (s), damping included.
+    ///
+    /// # Errors
+    /// If the scheme is unstable at every step under this damping.
+    fn stable_step(&self, limits: &FrequencyLimits) -> Result<f64, RunError>;
+    /// Accepts or refuses a step before the run.
+    ///
+    /// # Errors
+    /// Why the step is refused.
+    fn check(&self, limits: &FrequencyLimits, step: f64) -> Result<(), RunError>;
+    /// Takes one step.
+    ///
+    /// # Errors
+    /// What stopped the step.
+    fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError>;
+}
+
+/// Which fields an observer reads; an engine prepares no others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fields {
+    /// Accelerations.
+    pub acceleration: bool,
+    /// Element stresses.
+    pub stress: bool,
+    /// The energy ledger.
+    pub energy: bool,
+}
+
+/// When an observer is called.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cadence {
+    /// Every so many steps, the first included.
+    Steps(u64),
+    /// At the first step at or past every multiple of a time (s).
+    Seconds(f64),
+}
+
+/// Whether a run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    /// Go on.
+    Continue,
+    /// Stop after this step; the output is complete.
+    Stop,
+}
+
+/// A step as an observer sees it: everything in the mesh's numbering.
+pub trait StepView {
+    /// Steps taken.
+    fn number(&self) -> u64;
+    /// Time of the displacement (s).
+    fn time(&self) -> f64;
+    /// Length of the step (s).
+    fn step(&self) -> f64;
+    /// Number of nodes of the mesh.
+    fn node_count(&self) -> usize;
+    /// Displacement (m) at `time`.
+    fn displacement(&self, node: u32) -> Vec3;
+    /// Velocity (m/s) at `time`: the mean of the half steps before and after.
+    fn velocity(&self, node: u32) -> Vec3;
+    /// Acceleration (m/s2) at `time`.
+    fn acceleration(&self, node: u32) -> Vec3;
+    /// Mean change of stress (Pa) of an element; zero if it belongs to no block.
+    fn stress(&self, element: u32) -> Stress;
+    /// Named energies (J), if the ledger is kept.
+    fn energies(&self) -> &[(&'static str, f64)];
+}
+
+/// Sees steps, writes or collects what it wants, may stop or fail the run.
+///
+/// ```
+/// use powerhouse_model::*;
+/// struct Peak { node: u32, peak: f64 }
+/// impl Observer for Peak {
+///     fn name(&self) -> &str { "peak" }
+///     fn fields(&self) -> Fields { Fields::default() }
+///     fn cadence(&self) -> Cadence { Cadence::Steps(1) }
+///     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
+///         self.peak = self.peak.max(view.displacement(self.node).norm());
+///         Ok(Flow::Continue)
+///     }
+/// }
+/// ```
+pub trait Observer: Send {
+    /// The observer's name in reports.
+    fn name(&self) -> &str;
+    /// What it reads.
+    fn fields(&self) -> Fields;
+    /// When it wants to be called; the last step is always shown.
+    fn cadence(&self) -> Cadence;
+    /// Sees a step.
+    ///
+    /// # Errors
+    /// Fails the run.
+    fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError>;
+    /// Called once after the last step, also when the run was stopped or failed.
+    ///
+    /// # Errors
+    /// Fails the run.
+    fn finish(&mut self) -> Result<(), ModelError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,185 @@
+//! Arithmetic on one or many numbers at once.
+
+use core::fmt::Debug;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A storage type of a number: `f64` or `f32`.
+pub trait Scalar: Copy + Send + Sync + PartialOrd + Debug + Default + 'static {
+    /// Rounds a double to this type.
+    fn from_f64(value: f64) -> Self;
+    /// The value as a double, exact.
+    fn to_f64(self) -> f64;
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+impl Scalar for f32 {
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        value as f32
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+/// A pack of [`WIDTH`](Self::WIDTH) numbers that are computed with together, one element per lane.
+///
+/// Kernels and laws are written once, generic over the lane. The scalar instantiations (`f64`,
+/// `f32`) are the oracle of the wide ones: the same operations in the same order, so the same
+/// bits. Fused multiply-add is used only where [`mul_add`](Self::mul_add) is written.
+///
+/// Wide lanes live in the engine, behind a [`Token`](Self::Token) that proves that the processor
+/// has the instructions. Every value carries its token, hence constants are made from a value at
+/// hand: `x.constant(0.5)`.
+///
+/// ```
+/// use powerhouse_model::Lane;
+/// fn square_root_of_sum<L: Lane>(a: L, b: L) -> L {
+///     a.mul_add(a, b * b).sqrt()
+/// }
+/// assert_eq!(square_root_of_sum(3.0_f64, 4.0), 5.0);
+/// assert_eq!(square_root_of_sum(3.0_f32, 4.0), 5.0);
+/// ```
+pub trait Lane:
+    Copy
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// What one number is stored as.
+    type Scalar: Scalar;
+    /// Proof that the processor can do the arithmetic.
+    type Token: Copy + Send + Sync + 'static;
+    /// One truth value per lane.
+    type Mask: Copy;
+    /// How many numbers are computed at once.
+    const WIDTH: usize;
+
+    /// The same number in every lane.
+    fn splat(token: Self::Token, value: f64) -> Self;
+    /// Reads the first [`WIDTH`](Self::WIDTH) numbers of a slice.
+    ///
+    /// # Panics
+    /// If the slice is shorter.
+    fn load(token: Self::Token, from: &[Self::Scalar]) -> Self;
+    /// Writes the lanes to the first [`WIDTH`](Self::WIDTH) places of a slice.
+    ///
+    /// # Panics
+    /// If the slice is shorter.
+    fn store(self, to: &mut [Self::Scalar]);
+    /// The token that this value carries.
+    fn token(self) -> Self::Token;
+    /// `self * factor + summand`, rounded once.
+    fn mul_add(self, factor: Self, summand: Self) -> Self;
+    /// The square root, correctly rounded; NaN below zero.
+    fn sqrt(self) -> Self;
+    /// The absolute value.
+    fn abs(self) -> Self;
+    /// `self < other`, lane by lane; false where either is NaN.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `self` where the mask is true, `other` elsewhere.
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// Whether any lane of the mask is true.
+    fn any(self, mask: Self::Mask) -> bool;
+    /// The number in one lane.
+    ///
+    /// # Panics
+    /// If `lane >= WIDTH`.
+    fn extract(self, lane: usize) -> f64;
+    /// Builds a value lane by lane; the numbers are rounded to the lane's scalar.
+    fn build(token: Self::Token, value: impl FnMut(usize) -> f64) -> Self;
+
+    /// The same number in every lane, from a value at hand.
+    #[inline(always)]
+    fn constant(self, value: f64) -> Self {
+        Self::splat(self.token(), value)
+    }
+    /// The smaller of two numbers; `other` where either is NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.select(self.less(other), other)
+    }
+    /// The larger of two numbers; `other` where either is NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.select(other.less(self), other)
+    }
+}
+
+macro_rules! scalar_lane {
+    ($float:ty) => {
+        impl Lane for $float {
+            type Scalar = $float;
+            type Token = ();
+            type Mask = bool;
+            const WIDTH: usize = 1;
+
+            #[inline(always)]
+            fn splat(_token: (), value: f64) -> Self {
+                value as $float
+            }
+            #[inline(always)]
+            fn load(_token: (), from: &[$float]) -> Self {
+                from[0]
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$float]) {
+                to[0] = self;
+            }
+            #[inline(always)]
+            fn token(self) {}
+            #[inline(always)]
+            fn mul_add(self, factor: Self, summand: Self) -> Self {
+                <$float>::mul_add(self, factor, summand)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$float>::sqrt(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$float>::abs(self)
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn select(self, mask: bool, other: Self) -> Self {
+                if mask { self } else { other }
+            }
+            #[inline(always)]
+            fn any(self, mask: bool) -> bool {
+                mask
+            }
+            #[inline(always)]
+            fn extract(self, lane: usize) -> f64 {
+                assert!(lane == 0, "a scalar has one lane");
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn build(_token: (), mut value: impl FnMut(usize) -> f64) -> Self {
+                value(0) as $float
+            }
+        }
+    };
+}
+
+scalar_lane!(f64);
+scalar_lane!(f32);

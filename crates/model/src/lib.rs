@@ -1,0 +1,66 @@
+//! The words and the sockets of powerhouse.
+//!
+//! This crate holds what the engine reads and what two of the other crates exchange: the
+//! [mesh](Mesh) with its named sets, [tensors](Stress), [elastic media](ElasticMedium), the
+//! [state](State) of a body, and the traits behind which element kernels, constitutive laws,
+//! incident fields, boundaries, joints, integrators and observers stand. It computes nothing
+//! of its own beyond geometry and tensor algebra.
+//!
+//! # Conventions
+//! SI units. Tension is positive. `z` points up; a free surface is horizontal. Symmetric tensors
+//! are stored in the order `xx yy zz xy yz zx`, strains with engineering shear components.
+//! Stresses are total stresses: pore pressure is not modelled. Strains and slips are small.
+//!
+//! # Why so
+//! *The model is not the state.* Results, checkpoints and stages are keyed by the user's node
+//! and element numbers ([`State`]); an engine renumbers as it likes and gives back what it got.
+//! *Contexts are structs*, so that a field added later breaks no implementation.
+//! *Dispatch is dynamic once per block and step*, static inside: see [`ElementBlock`] and
+//! [`ConstitutiveLaw`].
+
+mod boundary;
+mod constraint;
+mod element;
+mod engine;
+mod error;
+mod field;
+mod lane;
+mod law;
+mod load;
+mod medium;
+mod mesh;
+mod nodal;
+mod state;
+mod tensor;
+
+pub use boundary::{
+    AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
+};
+pub use constraint::{
+    Constraint, ConstraintWork, ContactLaw, ContactState, JointState, PredictedMotion,
+};
+pub use element::{
+    BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound,
+    LimitingTerm, Numbering, Operator,
+};
+pub use engine::{
+    Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, MassDampingRule, Observer,
+    StepView, TimeIntegrator,
+};
+pub use error::{ModelError, ParameterError, RunError};
+pub use field::{FieldMotion, FieldSampler, IncidentField};
+pub use lane::{Lane, Scalar};
+pub use law::{ConstitutiveLaw, HistoryVariable, LawInput, PointAdapter, PointLaw};
+pub use load::{NodalLoad, TimeFunction};
+pub use medium::ElasticMedium;
+pub use mesh::{
+    ElementKind, Facet, FacetGeometry, Mesh, MeshBuilder, MeshError, NodeTributary, QualityReport,
+};
+pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
+pub use state::{HistoryField, State};
+pub use tensor::{Principal, Strain, Stress};
+
+/// A vector in space: position (m), displacement (m), velocity (m/s) or force (N).
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// A 3 x 3 matrix, such as a nodal spring (N/m) or dashpot (N s/m).
+pub type Mat3 = nalgebra::Matrix3<f64>;

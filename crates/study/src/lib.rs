@@ -1,0 +1,1 @@
+//! What is built on whole scenes: checks, predictions and the free-field self-check.
