@@ -1,17 +1,22 @@
 //! Where the mesh ends.
 
+use std::collections::BTreeMap;
+
 use crate::{
-    ElasticMedium, ElementBlock, IncidentField, Mat3, ModelError, NodalLoad, Numbering, Vec3,
+    ElasticMedium, ElementBlock, Facet, IncidentField, Mat3, Mesh, ModelError, NodalLoad,
+    Numbering, Vec3,
 };
 
-/// One face of the body at one of its nodes.
-#[derive(Clone, Debug, PartialEq)]
+/// What one node has of one face of the body, as far as one medium lies behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SiteFace {
     /// Index of the named face in [`BoundarySite::faces`].
     pub face: usize,
-    /// Outward unit normal, averaged over the face's facets at this node.
+    /// The medium of the elements behind this share of the face.
+    pub medium: ElasticMedium,
+    /// Outward unit normal, averaged over the facets at this node.
     pub normal: Vec3,
-    /// The share of the face's area that belongs to this node (m2).
+    /// The area that belongs to this node (m2).
     pub area: f64,
 }
 
@@ -22,9 +27,8 @@ pub struct SiteNode {
     pub node: u32,
     /// Position (m).
     pub position: Vec3,
-    /// The medium of the elements behind this node.
-    pub medium: ElasticMedium,
-    /// The faces that meet here: one inside a face, two on an edge, three at a corner.
+    /// The faces that meet here: one inside a face, two on an edge, three at a corner; a face
+    /// stands here once for every medium that touches it at this node.
     pub faces: Vec<SiteFace>,
 }
 
@@ -40,6 +44,65 @@ pub struct BoundarySite<'a> {
     pub field: Option<&'a dyn IncidentField>,
 }
 
+impl<'a> BoundarySite<'a> {
+    /// The site made of named faces of a mesh, nodes in rising order.
+    ///
+    /// `medium` tells the medium of an element; `scatterer` and `field` as in the struct.
+    ///
+    /// # Panics
+    /// If a facet does not belong to the mesh.
+    pub fn from_mesh(
+        mesh: &Mesh,
+        faces: &[(&str, &[Facet])],
+        medium: impl Fn(u32) -> ElasticMedium,
+        scatterer: Vec3,
+        field: Option<&'a dyn IncidentField>,
+    ) -> Self {
+        let mut shares: BTreeMap<u32, Vec<SiteFace>> = BTreeMap::new();
+        for (face, (_, facets)) in faces.iter().enumerate() {
+            for (medium, facets) in by_medium(facets, &medium) {
+                for tributary in mesh.tributary_areas(&facets) {
+                    shares.entry(tributary.node).or_default().push(SiteFace {
+                        face,
+                        medium,
+                        normal: tributary.normal,
+                        area: tributary.area,
+                    });
+                }
+            }
+        }
+        Self {
+            faces: faces.iter().map(|(name, _)| (*name).into()).collect(),
+            nodes: shares
+                .into_iter()
+                .map(|(node, faces)| SiteNode {
+                    node,
+                    position: mesh.positions()[node as usize],
+                    faces,
+                })
+                .collect(),
+            scatterer,
+            field,
+        }
+    }
+}
+
+/// The facets in front of each medium, in the order in which the media first appear.
+fn by_medium(
+    facets: &[Facet],
+    medium: impl Fn(u32) -> ElasticMedium,
+) -> Vec<(ElasticMedium, Vec<Facet>)> {
+    let mut groups: Vec<(ElasticMedium, Vec<Facet>)> = Vec::new();
+    for &facet in facets {
+        let behind = medium(facet.element);
+        match groups.iter_mut().find(|(medium, _)| *medium == behind) {
+            Some((_, group)) => group.push(facet),
+            None => groups.push((behind, vec![facet])),
+        }
+    }
+    groups
+}
+
 /// A spring and a dashpot from a node to the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodalImpedance {
@@ -52,12 +115,15 @@ pub struct NodalImpedance {
     pub dashpot: Mat3,
 }
 
+/// Makes a block under the engine's numbering.
+pub type BuildBlock = Box<dyn FnOnce(&Numbering) -> Box<dyn ElementBlock> + Send>;
+
 /// Elements with degrees of freedom of their own that a boundary brings along.
 pub struct ExtraBlock {
     /// Positions of the additional nodes (m); they are numbered after those of the mesh.
     pub nodes: Vec<Vec3>,
     /// Makes the block once the engine has numbered the nodes.
-    pub build: Box<dyn FnOnce(&Numbering) -> Box<dyn ElementBlock> + Send>,
+    pub build: BuildBlock,
 }
 
 /// What a boundary hands to the engine. It applies nothing itself.
@@ -82,11 +148,13 @@ pub struct BoundaryParts {
 ///     fn name(&self) -> &str { "uniform" }
 ///     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
 ///         let impedance = site.nodes.iter().map(|node| {
-///             let area: f64 = node.faces.iter().map(|face| face.area).sum();
+///             let shear_impedance: f64 = node.faces.iter()
+///                 .map(|face| face.medium.density * face.medium.s_speed() * face.area)
+///                 .sum();
 ///             NodalImpedance {
 ///                 node: node.node,
 ///                 spring: Mat3::zeros(),
-///                 dashpot: Mat3::identity() * node.medium.density * node.medium.s_speed() * area,
+///                 dashpot: Mat3::identity() * shear_impedance,
 ///             }
 ///         });
 ///         Ok(BoundaryParts { impedance: impedance.collect(), ..BoundaryParts::default() })
@@ -101,4 +169,90 @@ pub trait AbsorbingBoundary: Send + Sync {
     /// # Errors
     /// If the site has something the boundary cannot serve, such as a zero distance.
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError>;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ElementKind, MeshError};
+
+    /// Two unit cubes side by side along x, the left one `rock`, the right one `lining`; their
+    /// bottom is `base`, the left end `end`.
+    fn two_cubes() -> Result<Mesh, MeshError> {
+        let mut builder = Mesh::builder();
+        let tag = |x: u64, y: u64, z: u64| 1 + x + 3 * y + 6 * z;
+        for z in 0..2 {
+            for y in 0..2 {
+                for x in 0..3 {
+                    builder.node(tag(x, y, z), Vec3::new(x as f64, y as f64, z as f64));
+                }
+            }
+        }
+        for (x, set) in [(0, "rock"), (1, "lining")] {
+            let ring = |z| {
+                [
+                    tag(x, 0, z),
+                    tag(x + 1, 0, z),
+                    tag(x + 1, 1, z),
+                    tag(x, 1, z),
+                ]
+            };
+            builder.element(
+                x + 1,
+                ElementKind::Hex8,
+                &[ring(0), ring(1)].concat(),
+                &[set],
+            );
+            builder.facet("base", &ring(0));
+        }
+        builder.facet(
+            "end",
+            &[tag(0, 0, 0), tag(0, 1, 0), tag(0, 1, 1), tag(0, 0, 1)],
+        );
+        builder.build()
+    }
+
+    /// A site shares every face's area among its nodes, keeps the media behind a node apart, and
+    /// lists every face that meets at an edge.
+    #[test]
+    fn a_site_divides_faces_by_node_and_medium() {
+        let mesh = two_cubes().unwrap();
+        let rock = ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap();
+        let lining = ElasticMedium::new(25.0e9, 0.17, 2500.0).unwrap();
+        let in_rock = mesh.element_set("rock").unwrap().to_vec();
+        let site = BoundarySite::from_mesh(
+            &mesh,
+            &[
+                ("base", mesh.facet_set("base").unwrap()),
+                ("end", mesh.facet_set("end").unwrap()),
+            ],
+            |element| {
+                if in_rock.contains(&element) {
+                    rock
+                } else {
+                    lining
+                }
+            },
+            Vec3::zeros(),
+            None,
+        );
+        assert_eq!(site.faces, ["base", "end"]);
+        let area = |face| -> f64 {
+            let shares = site.nodes.iter().flat_map(|node| &node.faces);
+            shares.filter(|f| f.face == face).map(|f| f.area).sum()
+        };
+        assert!((area(0) - 2.0).abs() < 1e-14 && (area(1) - 1.0).abs() < 1e-14);
+        let at = |x: f64, y: f64, z: f64| {
+            let position = Vec3::new(x, y, z);
+            site.nodes.iter().find(|n| n.position == position).unwrap()
+        };
+        let contact = &at(1.0, 0.0, 0.0).faces;
+        assert_eq!(contact.len(), 2);
+        assert_eq!((contact[0].medium, contact[1].medium), (rock, lining));
+        assert!(contact.iter().all(|f| (f.area - 0.25).abs() < 1e-14));
+        let edge = &at(0.0, 0.0, 0.0).faces;
+        assert_eq!(edge.len(), 2);
+        assert!((edge[0].normal + Vec3::z()).norm() < 1e-14);
+        assert!((edge[1].normal + Vec3::x()).norm() < 1e-14);
+    }
 }

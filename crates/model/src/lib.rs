@@ -34,7 +34,8 @@ mod state;
 mod tensor;
 
 pub use boundary::{
-    AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
+    AbsorbingBoundary, BoundaryParts, BoundarySite, BuildBlock, ExtraBlock, NodalImpedance,
+    SiteFace, SiteNode,
 };
 pub use constraint::{
     Constraint, ConstraintWork, ContactLaw, ContactState, JointState, PredictedMotion,
