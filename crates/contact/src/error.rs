@@ -1,0 +1,61 @@
+//! Errors of this crate.
+
+use powerhouse_model::ModelError;
+use thiserror::Error;
+
+/// A joint that cannot be made. Numbers of nodes are the user's, except where an index is said.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// A tolerance that is not a positive length.
+    #[error("the pairing tolerance {tolerance} m is not a positive length")]
+    Tolerance {
+        /// What was given (m).
+        tolerance: f64,
+    },
+    /// A node without a counterpart on the other side.
+    #[error(
+        "node {node} has no partner within {tolerance:.3e} m on the other side of the joint; \
+         the nearest node, {nearest}, is {distance:.3e} m away"
+    )]
+    NoPartner {
+        /// The node's number.
+        node: u64,
+        /// The number of the nearest node of the other side.
+        nearest: u64,
+        /// Its distance (m).
+        distance: f64,
+        /// The permitted distance (m).
+        tolerance: f64,
+    },
+    /// A node with more than one counterpart.
+    #[error(
+        "node {node} has two partners within {tolerance:.3e} m on the other side of the joint: \
+         {first} and {second}"
+    )]
+    Ambiguous {
+        /// The node's number.
+        node: u64,
+        /// The number of one candidate.
+        first: u64,
+        /// The number of the other.
+        second: u64,
+        /// The permitted distance (m).
+        tolerance: f64,
+    },
+    /// A side, or a list of pairs, without nodes.
+    #[error("the joint has no pairs")]
+    Empty,
+    /// A pair of a node with itself.
+    #[error("the node with index {node} is paired with itself")]
+    SelfPair {
+        /// Mesh index of the node.
+        node: u32,
+    },
+}
+
+impl From<ContactError> for ModelError {
+    fn from(error: ContactError) -> Self {
+        Self::refused("contact", error)
+    }
+}
