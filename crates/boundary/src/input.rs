@@ -1,0 +1,224 @@
+//! The site's own motion, brought in as nodal forces.
+
+use powerhouse_model::{
+    BoundarySite, FieldMotion, FieldSampler, IncidentField, Mat3, ModelError, NodalLoad, SiteFace,
+    Vec3,
+};
+
+use crate::BoundaryError;
+use crate::coefficients::{FaceCoefficients, ShareCoefficients, share_impedance};
+
+/// What comes in through a boundary.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum InputMode {
+    /// The full free field on every face: incident and reflected waves.
+    #[default]
+    FullField,
+    /// The incident wave alone on the named faces, as on the bottom in Wang, Chen & Xiao (2019),
+    /// Eqs. 6 and 7; the full free field on the others.
+    IncidentOnly {
+        /// Names of the faces.
+        faces: Vec<String>,
+    },
+    /// Nothing: the boundary only absorbs.
+    Nothing,
+}
+
+/// How many nodes one load holds: large enough that a virtual call costs nothing, small enough
+/// that its motion stays in the first cache level and that threads share the work evenly.
+const NODES_PER_LOAD: usize = 256;
+
+/// The input loads of a site: none if it has no field.
+pub(crate) fn input_loads(
+    site: &BoundarySite,
+    coefficients: &ShareCoefficients,
+    mode: &InputMode,
+) -> Result<Vec<Box<dyn NodalLoad>>, ModelError> {
+    let Some(field) = site.field else {
+        return Ok(Vec::new());
+    };
+    match mode {
+        InputMode::Nothing => Ok(Vec::new()),
+        InputMode::FullField => field_loads(site, coefficients, field, |_| true),
+        InputMode::IncidentOnly { faces } => {
+            let chosen = face_indices(site, faces)?;
+            let incident = field
+                .incident_part()
+                .ok_or_else(|| BoundaryError::NoIncidentPart {
+                    field: field.name().into(),
+                })?;
+            let is_chosen = |share: &SiteFace| chosen.contains(&share.face);
+            let mut loads = field_loads(site, coefficients, field, |share| !is_chosen(share))?;
+            loads.extend(field_loads(site, coefficients, &*incident, is_chosen)?);
+            Ok(loads)
+        }
+    }
+}
+
+fn face_indices(site: &BoundarySite, names: &[String]) -> Result<Vec<usize>, BoundaryError> {
+    let index = |name: &String| {
+        let found = site.faces.iter().position(|face| face == name);
+        found.ok_or_else(|| BoundaryError::NoSuchFace {
+            name: name.clone(),
+            available: site.faces.clone(),
+        })
+    };
+    names.iter().map(index).collect()
+}
+
+/// The forces of one field on the shares that it is put on.
+fn field_loads(
+    site: &BoundarySite,
+    coefficients: &ShareCoefficients,
+    field: &dyn IncidentField,
+    includes: impl Fn(&SiteFace) -> bool,
+) -> Result<Vec<Box<dyn NodalLoad>>, ModelError> {
+    let (mut diagonal, mut full) = (Vec::new(), Vec::new());
+    for (node, coefficients) in site.nodes.iter().zip(coefficients) {
+        let shares = node.faces.iter().zip(coefficients);
+        let shares: Vec<_> = shares.filter(|(share, _)| includes(share)).collect();
+        if shares.is_empty() {
+            continue;
+        }
+        let matrices = MatrixForce::of_shares(&shares);
+        match matrices.diagonal() {
+            Some(force) => diagonal.push((node.node, node.position, force)),
+            None => full.push((node.node, node.position, matrices)),
+        }
+    }
+    let mut loads = Vec::new();
+    push_loads(&diagonal, field, &mut loads)?;
+    push_loads(&full, field, &mut loads)?;
+    Ok(loads)
+}
+
+fn push_loads<F: NodeForce>(
+    nodes: &[(u32, Vec3, F)],
+    field: &dyn IncidentField,
+    loads: &mut Vec<Box<dyn NodalLoad>>,
+) -> Result<(), ModelError> {
+    for chunk in nodes.chunks(NODES_PER_LOAD) {
+        let points: Vec<Vec3> = chunk.iter().map(|(_, position, _)| *position).collect();
+        loads.push(Box::new(FieldLoad {
+            name: field.name().into(),
+            nodes: chunk.iter().map(|(node, ..)| *node).collect(),
+            sampler: field.prepare(&points)?,
+            motion: vec![FieldMotion::default(); chunk.len()],
+            forces: chunk.iter().map(|(.., force)| *force).collect(),
+        }));
+    }
+    Ok(())
+}
+
+/// What a motion of the ground does to one node: `K u + C v + sigma a`, with the vector area `a`.
+trait NodeForce: Copy + Send + 'static {
+    fn force(&self, motion: &FieldMotion) -> Vec3;
+}
+
+/// A node whose faces all lie along the axes.
+#[derive(Clone, Copy, Debug)]
+struct DiagonalForce {
+    spring: Vec3,
+    dashpot: Vec3,
+    vector_area: Vec3,
+}
+
+impl NodeForce for DiagonalForce {
+    #[inline(always)]
+    fn force(&self, motion: &FieldMotion) -> Vec3 {
+        self.spring.component_mul(&motion.displacement)
+            + self.dashpot.component_mul(&motion.velocity)
+            + motion.stress.traction(&self.vector_area)
+    }
+}
+
+/// Any node.
+#[derive(Clone, Copy, Debug)]
+struct MatrixForce {
+    spring: Mat3,
+    dashpot: Mat3,
+    vector_area: Vec3,
+}
+
+impl MatrixForce {
+    fn of_shares(shares: &[(&SiteFace, &FaceCoefficients)]) -> Self {
+        let mut sum = Self {
+            spring: Mat3::zeros(),
+            dashpot: Mat3::zeros(),
+            vector_area: Vec3::zeros(),
+        };
+        for (share, coefficients) in shares {
+            let (spring, dashpot) = share_impedance(share, coefficients);
+            sum.spring += spring;
+            sum.dashpot += dashpot;
+            sum.vector_area += share.area * share.normal;
+        }
+        sum
+    }
+
+    fn diagonal(&self) -> Option<DiagonalForce> {
+        let is_diagonal = |m: &Mat3| *m == Mat3::from_diagonal(&m.diagonal());
+        (is_diagonal(&self.spring) && is_diagonal(&self.dashpot)).then(|| DiagonalForce {
+            spring: self.spring.diagonal(),
+            dashpot: self.dashpot.diagonal(),
+            vector_area: self.vector_area,
+        })
+    }
+}
+
+impl NodeForce for MatrixForce {
+    #[inline(always)]
+    fn force(&self, motion: &FieldMotion) -> Vec3 {
+        self.spring * motion.displacement
+            + self.dashpot * motion.velocity
+            + motion.stress.traction(&self.vector_area)
+    }
+}
+
+/// The forces of a field on some nodes.
+struct FieldLoad<F> {
+    name: String,
+    nodes: Vec<u32>,
+    sampler: Box<dyn FieldSampler>,
+    /// The field's motion at the nodes, kept to save its allocation in every step.
+    motion: Vec<FieldMotion>,
+    forces: Vec<F>,
+}
+
+impl<F: NodeForce> NodalLoad for FieldLoad<F> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
+        self.motion.fill(FieldMotion::default());
+        self.sampler.add_motion(time, &mut self.motion);
+        for ((force, motion), node) in forces.iter_mut().zip(&self.motion).zip(&self.forces) {
+            *force += node.force(motion);
+        }
+    }
+}
+
+/// The nodes (mesh indices) that touch a medium other than the field's: the free field is not the
+/// motion of the site there, and a check of the model should say so.
+///
+/// Media count as equal if both impedances agree to 1e-6.
+pub fn foreign_nodes(site: &BoundarySite) -> Vec<u32> {
+    let Some(field) = site.field else {
+        return Vec::new();
+    };
+    let of_field = FaceCoefficients::viscous(&field.medium());
+    let differs = |share: &SiteFace| {
+        let here = FaceCoefficients::viscous(&share.medium);
+        let apart = |a: f64, b: f64| (a - b).abs() > 1.0e-6 * b;
+        apart(here.normal_dashpot, of_field.normal_dashpot)
+            || apart(here.tangential_dashpot, of_field.tangential_dashpot)
+    };
+    let nodes = site.nodes.iter();
+    nodes
+        .filter(|node| node.faces.iter().any(differs))
+        .map(|node| node.node)
+        .collect()
+}

@@ -1,0 +1,157 @@
+//! Springs and dashpots.
+
+use powerhouse_model::{
+    AbsorbingBoundary, BoundaryParts, BoundarySite, ModelError, ParameterError, SiteFace, SiteNode,
+    Vec3,
+};
+
+use crate::BoundaryError;
+use crate::coefficients::{FaceCoefficients, ShareCoefficients, nodal_impedance};
+use crate::input::{InputMode, input_loads};
+
+/// Parameters of the faces whose normal is nearest to one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisParameters {
+    /// A: the amplitude ratio of plane to scattered waves, from 0 to 100.
+    pub amplitude_ratio: f64,
+    /// B: the ratio of physical to apparent wave speed, from 0.1 to 10.
+    pub speed_ratio: f64,
+    /// The distance from the scatterer to the faces (m), if it shall not be taken from the
+    /// geometry.
+    pub distance: Option<f64>,
+}
+
+impl AxisParameters {
+    /// Parameters from A, B and a distance (m).
+    ///
+    /// # Errors
+    /// [`ParameterError`] names the field, its value and the permitted range.
+    pub fn new(
+        amplitude_ratio: f64,
+        speed_ratio: f64,
+        distance: Option<f64>,
+    ) -> Result<Self, ParameterError> {
+        let parameters = Self {
+            amplitude_ratio,
+            speed_ratio,
+            distance,
+        };
+        parameters.check()?;
+        Ok(parameters)
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::check("amplitude_ratio", self.amplitude_ratio, 0.0, 100.0)?;
+        ParameterError::check("speed_ratio", self.speed_ratio, 0.1, 10.0)?;
+        match self.distance {
+            Some(distance) => ParameterError::check("distance", distance, 1.0e-3, 1.0e7),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Default for AxisParameters {
+    /// A = 0.8, B = 1.1, as Wang, Chen & Xiao (2019) advise; the distance from the geometry.
+    fn default() -> Self {
+        Self {
+            amplitude_ratio: 0.8,
+            speed_ratio: 1.1,
+            distance: None,
+        }
+    }
+}
+
+/// How scattered waves spread, which decides the stiffness of the springs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spreading {
+    /// From a compact structure in all directions: the springs of Eq. 1.
+    #[default]
+    Spherical,
+    /// From a long structure, of which the model is a slice: half the springs, the same dashpots.
+    Cylindrical,
+}
+
+/// Springs and dashpots after Eqs. 1 and 2 of Wang, Chen & Xiao (2019); see
+/// [`FaceCoefficients::viscous_spring`].
+///
+/// The distance r of a face at a node is the distance from the scatterer along the outward
+/// normal, or that of the axis nearest to the normal if one is given.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ViscousSpring {
+    /// Parameters of the faces across x, y and z.
+    pub axes: [AxisParameters; 3],
+    /// How scattered waves spread.
+    pub spreading: Spreading,
+    /// What comes in through the boundary.
+    pub input: InputMode,
+}
+
+/// The least distance of a face, as a share of the size of the boundary.
+const LEAST_RELATIVE_DISTANCE: f64 = 1.0e-3;
+
+impl ViscousSpring {
+    fn share_coefficients(
+        &self,
+        site: &BoundarySite,
+        node: &SiteNode,
+        share: &SiteFace,
+        least: f64,
+    ) -> Result<FaceCoefficients, BoundaryError> {
+        let axis = &self.axes[share.normal.iamax()];
+        let distance = axis
+            .distance
+            .unwrap_or_else(|| (node.position - site.scatterer).dot(&share.normal));
+        if axis.distance.is_none() && (distance.is_nan() || distance < least) {
+            return Err(BoundaryError::Distance {
+                face: site.faces[share.face].clone(),
+                distance,
+                least,
+            });
+        }
+        let coefficients = FaceCoefficients::viscous_spring(
+            &share.medium,
+            axis.amplitude_ratio,
+            axis.speed_ratio,
+            distance,
+        );
+        Ok(match self.spreading {
+            Spreading::Spherical => coefficients,
+            Spreading::Cylindrical => coefficients.with_springs_scaled(0.5),
+        })
+    }
+}
+
+/// The diagonal of the box around the boundary's nodes (m).
+fn extent(site: &BoundarySite) -> f64 {
+    let mut positions = site.nodes.iter().map(|node| node.position);
+    let first = positions.next().unwrap_or_else(Vec3::zeros);
+    let (low, high) = positions.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
+    (high - low).norm()
+}
+
+impl AbsorbingBoundary for ViscousSpring {
+    fn name(&self) -> &str {
+        "viscous-spring"
+    }
+    fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
+        for axis in &self.axes {
+            axis.check()?;
+        }
+        let least = LEAST_RELATIVE_DISTANCE * extent(site);
+        let coefficients = site
+            .nodes
+            .iter()
+            .map(|node| {
+                let shares = node.faces.iter();
+                shares
+                    .map(|share| self.share_coefficients(site, node, share, least))
+                    .collect()
+            })
+            .collect::<Result<ShareCoefficients, BoundaryError>>()?;
+        Ok(BoundaryParts {
+            impedance: nodal_impedance(site, &coefficients),
+            loads: input_loads(site, &coefficients, &self.input)?,
+            blocks: Vec::new(),
+        })
+    }
+}
