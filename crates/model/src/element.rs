@@ -1,61 +1,128 @@
 //! Elements: arithmetic on a batch, and blocks of them behind one virtual call.
 
-use crate::{HistoryField, Lane, Mat3, NodalView, NodalViewMut, Strain, Stress, Vec3};
+use crate::{ElementKind, HistoryField, Lane, Mat3, NodalView, NodalViewMut, Strain, Stress, Vec3};
+
+/// The geometry numbers of one batch of elements, read where they are used.
+///
+/// Number `i` of all lanes lies at `numbers[i * WIDTH..(i + 1) * WIDTH]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<'a, L: Lane> {
+    token: L::Token,
+    numbers: &'a [L::Scalar],
+}
+
+impl<'a, L: Lane> Geometry<'a, L> {
+    /// A view of stored numbers.
+    #[inline(always)]
+    pub fn new(token: L::Token, numbers: &'a [L::Scalar]) -> Self {
+        Self { token, numbers }
+    }
+    /// One number of every lane.
+    ///
+    /// # Panics
+    /// If the batch holds fewer numbers.
+    #[inline(always)]
+    pub fn get(&self, index: usize) -> L {
+        L::load(
+            self.token,
+            &self.numbers[index * L::WIDTH..(index + 1) * L::WIDTH],
+        )
+    }
+    /// Three successive numbers, such as a vector.
+    ///
+    /// # Panics
+    /// If the batch holds fewer numbers.
+    #[inline(always)]
+    pub fn vector(&self, index: usize) -> [L; 3] {
+        [self.get(index), self.get(index + 1), self.get(index + 2)]
+    }
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn constant(&self, value: f64) -> L {
+        L::splat(self.token, value)
+    }
+}
 
 /// Element arithmetic on one batch of lanes: it knows no mesh and no thread.
 ///
 /// `N` is the number of nodes, `P` the number of integration points. A kernel turns corner
-/// positions into geometry numbers once, then nodal values into strains at the points, and
-/// stresses at the points into nodal forces.
+/// positions into geometry numbers once. At every step it turns nodal values into *modal* ones
+/// (a fixed linear map of its choice, in which the arithmetic is short; the identity by default),
+/// modal values into strains at the points, and stresses at the points into modal forces, which
+/// the transposed map turns into nodal forces.
 ///
-/// The one-node-per-corner truss, as a kernel of one point:
+/// A bar of two nodes, as a kernel of one point:
 /// ```
-/// use powerhouse_model::{ElementKernel, Lane, Strain, Stress, Vec3};
+/// use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
 /// /// A bar along x with unit section.
 /// #[derive(Clone)]
 /// struct Bar;
 /// impl ElementKernel<2, 1> for Bar {
 ///     fn name(&self) -> &'static str { "bar-x" }
+///     fn kind(&self) -> ElementKind { ElementKind::Bar2 }
 ///     fn geometry_len(&self) -> usize { 1 }
 ///     fn geometry(&self, corners: &[Vec3; 2], out: &mut [f64]) { out[0] = corners[1].x - corners[0].x; }
-///     fn volumes(&self, corners: &[Vec3; 2]) -> [f64; 1] { [(corners[1] - corners[0]).x] }
+///     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 1] { [geometry.get(0)] }
 ///     fn node_shares(&self, _corners: &[Vec3; 2]) -> [f64; 2] { [0.5, 0.5] }
-///     fn strains<L: Lane>(&self, geometry: &[L], values: &[[L; 3]; 2], out: &mut [Strain<L>; 1]) {
-///         let zero = values[0][0].constant(0.0);
-///         out[0] = Strain([(values[1][0] - values[0][0]) / geometry[0], zero, zero, zero, zero, zero]);
+///     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 2]) -> [Strain<L>; 1] {
+///         let zero = geometry.constant(0.0);
+///         [Strain([(modes[1][0] - modes[0][0]) / geometry.get(0), zero, zero, zero, zero, zero])]
 ///     }
-///     fn add_forces<L: Lane>(&self, _geometry: &[L], stresses: &[Stress<L>; 1], out: &mut [[L; 3]; 2]) {
-///         out[0][0] = out[0][0] - stresses[0].0[0];
-///         out[1][0] = out[1][0] + stresses[0].0[0];
+///     fn forces<L: Lane>(&self, geometry: Geometry<L>, stresses: &[Stress<L>; 1], _modulus: L, _modes: &[[L; 3]; 2]) -> [[L; 3]; 2] {
+///         let (zero, force) = (geometry.constant(0.0), stresses[0].0[0]);
+///         [[-force, zero, zero], [force, zero, zero]]
 ///     }
-///     fn hourglass<L: Lane>(&self, _g: &[L], _m: L, _v: &[[L; 3]; 2], _out: &mut [[L; 3]; 2]) -> Option<L> { None }
 /// }
+/// let stress = [Stress([3.0, 0.0, 0.0, 0.0, 0.0, 0.0])];
+/// let forces = Bar.forces(Geometry::new((), &[2.0]), &stress, 0.0, &[[0.0_f64; 3]; 2]);
+/// assert_eq!(forces, [[-3.0, 0.0, 0.0], [3.0, 0.0, 0.0]]);
 /// ```
 pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + 'static {
     /// The kernel's name in scenes and reports.
     fn name(&self) -> &'static str;
+    /// The kind of element that it computes.
+    fn kind(&self) -> ElementKind;
     /// How many geometry numbers an element has.
     fn geometry_len(&self) -> usize;
-    /// The geometry numbers of one element from its corners (m); lengths are exact in `f64`.
+    /// The geometry numbers of one element from its corners (m).
     fn geometry(&self, corners: &[Vec3; N], out: &mut [f64]);
     /// The volume that each integration point stands for (m3).
-    fn volumes(&self, corners: &[Vec3; N]) -> [f64; P];
+    fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; P];
     /// The share of the element's volume that lumps at each node; sums to one.
     fn node_shares(&self, corners: &[Vec3; N]) -> [f64; N];
-    /// Strains at the points from nodal displacements, or strain rates from velocities.
-    fn strains<L: Lane>(&self, geometry: &[L], values: &[[L; 3]; N], out: &mut [Strain<L>; P]);
-    /// Adds the nodal forces of stresses at the points, `sum_p B_p^T sigma_p V_p` (N).
-    fn add_forces<L: Lane>(&self, geometry: &[L], stresses: &[Stress<L>; P], out: &mut [[L; 3]; N]);
-    /// Adds the forces that resist the modes which the points do not see, for a medium whose
-    /// hourglass modulus is `modulus` (Pa); returns the energy held by them (J), or `None` if the
-    /// kernel has no such modes.
-    fn hourglass<L: Lane>(
+    /// Modal values from nodal values, `T u`.
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; N]) -> [[L; 3]; N] {
+        *nodal
+    }
+    /// Nodal forces from modal forces, `T^T F`.
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; N]) -> [[L; 3]; N] {
+        *modal
+    }
+    /// Strains at the points from modal displacements, or strain rates from modal velocities.
+    fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; N]) -> [Strain<L>; P];
+    /// Modal forces (N): `sum_p B_p^T sigma_p V_p`, plus what resists the part of the modal
+    /// displacement `modes` that the points do not see (hourglass), for a medium whose modulus
+    /// `lambda + 2 G` is `modulus` (Pa).
+    fn forces<L: Lane>(
         &self,
-        geometry: &[L],
+        geometry: Geometry<L>,
+        stresses: &[Stress<L>; P],
         modulus: L,
-        values: &[[L; 3]; N],
-        out: &mut [[L; 3]; N],
-    ) -> Option<L>;
+        modes: &[[L; 3]; N],
+    ) -> [[L; 3]; N];
+    /// The energy (J) held by the hourglass resistance of [`forces`](Self::forces), or `None` if
+    /// the points see every mode.
+    #[inline(always)]
+    fn hourglass_energy<L: Lane>(
+        &self,
+        _geometry: Geometry<L>,
+        _modulus: L,
+        _modes: &[[L; 3]; N],
+    ) -> Option<L> {
+        None
+    }
 }
 
 /// What a block is told at a step. Fields may be added.

@@ -41,7 +41,7 @@ pub use constraint::{
     Constraint, ConstraintWork, ContactLaw, ContactState, JointState, PredictedMotion,
 };
 pub use element::{
-    BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound,
+    BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
     LimitingTerm, Numbering, Operator,
 };
 pub use engine::{
