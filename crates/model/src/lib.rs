@@ -55,7 +55,8 @@ pub use law::{ConstitutiveLaw, HistoryVariable, LawInput, PointAdapter, PointLaw
 pub use load::{NodalLoad, TimeFunction};
 pub use medium::ElasticMedium;
 pub use mesh::{
-    ElementKind, Facet, FacetGeometry, Mesh, MeshBuilder, MeshError, NodeTributary, QualityReport,
+    Axis, ElementKind, Facet, FacetGeometry, Located, Mesh, MeshBuilder, MeshError, NodeTributary,
+    QualityReport,
 };
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use state::{HistoryField, State};

@@ -12,8 +12,11 @@ pub struct FacetGeometry {
     pub nodes: Vec<u32>,
     /// Outward vector area (m2): unit normal times area, exact for warped quadrilaterals.
     pub vector_area: Vec3,
-    /// The share of the vector area of each node, `integral of N_a n dA` (m2).
+    /// The share of the vector area of each node, `integral of N_a n dA` (m2), exact.
     pub shares: Vec<Vec3>,
+    /// The share of the surface of each node, `integral of N_a dA` (m2), exact for plane
+    /// parallelograms and triangles, by 2 x 2 Gauss points for others.
+    pub areas: Vec<f64>,
     /// Centroid of its nodes (m).
     pub centroid: Vec3,
 }
@@ -23,9 +26,9 @@ impl FacetGeometry {
     pub fn area(&self) -> f64 {
         self.vector_area.norm()
     }
-    /// Outward unit normal of the mean plane.
+    /// Outward unit normal of the mean plane; zero if the facet has no area.
     pub fn normal(&self) -> Vec3 {
-        self.vector_area.normalize()
+        unit_or_zero(&self.vector_area)
     }
 }
 
@@ -34,9 +37,10 @@ impl FacetGeometry {
 pub struct NodeTributary {
     /// Mesh index of the node.
     pub node: u32,
-    /// Outward unit normal, weighted by area.
+    /// Outward unit normal, weighted by area; zero where the normals of the facets cancel.
     pub normal: Vec3,
-    /// Area that belongs to the node (m2).
+    /// Area that belongs to the node, `integral of N_a dA` (m2); the areas of all nodes add up to
+    /// that of the face, folded or not.
     pub area: f64,
 }
 
@@ -46,22 +50,32 @@ impl Mesh {
     /// # Panics
     /// If the facet does not belong to this mesh.
     pub fn facet_geometry(&self, facet: Facet) -> FacetGeometry {
-        let of_element = self.nodes_of(facet.element);
-        let side = self.kind(facet.element).sides()[facet.side as usize];
-        let nodes: Vec<u32> = side.iter().map(|&i| of_element[i as usize]).collect();
+        let nodes = self.facet_nodes(facet);
         let corners: Vec<Vec3> = nodes.iter().map(|&n| self.positions[n as usize]).collect();
-        let shares = if corners.len() == 3 {
-            let vector = 0.5 * (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-            vec![vector / 3.0; 3]
-        } else {
-            quadrilateral_shares(&corners)
+        let (shares, areas) = match corners[..] {
+            [a, b, c] => {
+                let vector = 0.5 * (b - a).cross(&(c - a));
+                (vec![vector / 3.0; 3], vec![vector.norm() / 3.0; 3])
+            }
+            _ => quadrilateral_shares(&corners),
         };
         FacetGeometry {
             vector_area: shares.iter().sum(),
             centroid: corners.iter().sum::<Vec3>() / corners.len() as f64,
             nodes,
             shares,
+            areas,
         }
+    }
+
+    /// Mesh indices of the nodes of a facet, counter-clockwise seen from outside.
+    ///
+    /// # Panics
+    /// If the facet does not belong to this mesh.
+    pub fn facet_nodes(&self, facet: Facet) -> Vec<u32> {
+        let of_element = self.nodes_of(facet.element);
+        let side = self.kind(facet.element).sides()[facet.side as usize];
+        side.iter().map(|&i| of_element[i as usize]).collect()
     }
 
     /// What each node has of a face made of facets, in rising order of nodes.
@@ -69,40 +83,55 @@ impl Mesh {
     /// # Panics
     /// If a facet does not belong to this mesh.
     pub fn tributary_areas(&self, facets: &[Facet]) -> Vec<NodeTributary> {
-        let mut sums: BTreeMap<u32, Vec3> = BTreeMap::new();
+        let mut sums: BTreeMap<u32, (Vec3, f64)> = BTreeMap::new();
         for &facet in facets {
             let geometry = self.facet_geometry(facet);
-            for (&node, &share) in geometry.nodes.iter().zip(&geometry.shares) {
-                *sums.entry(node).or_default() += share;
+            for (i, &node) in geometry.nodes.iter().enumerate() {
+                let sum = sums.entry(node).or_default();
+                sum.0 += geometry.shares[i];
+                sum.1 += geometry.areas[i];
             }
         }
         sums.into_iter()
-            .map(|(node, vector)| NodeTributary {
+            .map(|(node, (vector, area))| NodeTributary {
                 node,
-                normal: vector.normalize(),
-                area: vector.norm(),
+                // What is left of opposite normals is rounding, not a direction.
+                normal: if vector.norm() > 1e-12 * area {
+                    vector.normalize()
+                } else {
+                    Vec3::zeros()
+                },
+                area,
             })
             .collect()
     }
 }
 
-/// `integral of N_a (dx/dr x dx/ds) dr ds` by 2 x 2 Gauss points, which is exact here.
-fn quadrilateral_shares(corners: &[Vec3]) -> Vec<Vec3> {
+fn unit_or_zero(vector: &Vec3) -> Vec3 {
+    vector.try_normalize(0.0).unwrap_or_default()
+}
+
+/// `integral of N_a (dx/dr x dx/ds) dr ds` and `integral of N_a |dx/dr x dx/ds| dr ds` by 2 x 2
+/// Gauss points: the first integrand is of second degree in each coordinate, so that it is exact.
+fn quadrilateral_shares(corners: &[Vec3]) -> (Vec<Vec3>, Vec<f64>) {
     const SIGNS: [(f64, f64); 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let g = 1.0 / 3.0_f64.sqrt();
     let mut shares = vec![Vec3::zeros(); 4];
+    let mut areas = vec![0.0; 4];
     for (sr, ss) in SIGNS {
         let (r, s) = (sr * g, ss * g);
         let mut along_r = Vec3::zeros();
         let mut along_s = Vec3::zeros();
-        for (a, (ra, sa)) in SIGNS.iter().enumerate() {
-            along_r += corners[a] * (0.25 * ra * (1.0 + sa * s));
-            along_s += corners[a] * (0.25 * sa * (1.0 + ra * r));
+        for (corner, (ra, sa)) in corners.iter().zip(SIGNS) {
+            along_r += corner * (0.25 * ra * (1.0 + sa * s));
+            along_s += corner * (0.25 * sa * (1.0 + ra * r));
         }
         let vector = along_r.cross(&along_s);
-        for (a, (ra, sa)) in SIGNS.iter().enumerate() {
-            shares[a] += vector * (0.25 * (1.0 + ra * r) * (1.0 + sa * s));
+        for (a, (ra, sa)) in SIGNS.into_iter().enumerate() {
+            let shape = 0.25 * (1.0 + ra * r) * (1.0 + sa * s);
+            shares[a] += vector * shape;
+            areas[a] += vector.norm() * shape;
         }
     }
-    shares
+    (shares, areas)
 }

@@ -1,0 +1,226 @@
+//! From the user's numbers to a mesh, with every number checked.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
+
+use super::sides::SideTable;
+use super::{ElementKind, Mesh, MeshError};
+use crate::Vec3;
+
+/// Collects nodes, elements and sets by the user's numbers, then checks them all at once.
+#[derive(Clone, Debug, Default)]
+pub struct MeshBuilder {
+    nodes: Vec<(u64, Vec3)>,
+    elements: Vec<(u64, ElementKind, u32)>,
+    corners: Vec<u64>,
+    element_sets: BTreeMap<String, Vec<u32>>,
+    facet_sets: BTreeMap<String, Vec<Vec<u64>>>,
+    node_sets: BTreeMap<String, Vec<u64>>,
+}
+
+impl MeshBuilder {
+    /// Adds a node with the user's number at a position (m).
+    pub fn node(&mut self, tag: u64, position: Vec3) -> &mut Self {
+        self.nodes.push((tag, position));
+        self
+    }
+    /// Adds an element on nodes given by number, in Gmsh's order, to any number of sets.
+    pub fn element(
+        &mut self,
+        tag: u64,
+        kind: ElementKind,
+        nodes: &[u64],
+        sets: &[impl AsRef<str>],
+    ) -> &mut Self {
+        let index = self.elements.len() as u32;
+        self.elements.push((tag, kind, nodes.len() as u32));
+        self.corners.extend_from_slice(nodes);
+        for set in sets {
+            match self.element_sets.get_mut(set.as_ref()) {
+                Some(elements) => elements.push(index),
+                None => {
+                    self.element_sets.insert(set.as_ref().into(), vec![index]);
+                }
+            }
+        }
+        self
+    }
+    /// Adds a facet, given by the numbers of its nodes in any order, to a set; it must be a side of
+    /// an element.
+    pub fn facet(&mut self, set: &str, nodes: &[u64]) -> &mut Self {
+        self.facet_sets
+            .entry(set.into())
+            .or_default()
+            .push(nodes.to_vec());
+        self
+    }
+    /// Adds nodes to a set.
+    pub fn node_set(&mut self, set: &str, nodes: &[u64]) -> &mut Self {
+        self.node_sets
+            .entry(set.into())
+            .or_default()
+            .extend_from_slice(nodes);
+        self
+    }
+    /// Checks numbers and ranges and makes the mesh. Quality is the business of
+    /// [`Mesh::check`].
+    ///
+    /// # Errors
+    /// The first fault found, with the user's numbers.
+    pub fn build(self) -> Result<Mesh, MeshError> {
+        resolve(self)
+    }
+}
+
+fn resolve(builder: MeshBuilder) -> Result<Mesh, MeshError> {
+    let mut index_of = HashMap::with_capacity(builder.nodes.len());
+    let mut mesh = Mesh::default();
+    for (what, count) in [
+        ("nodes", builder.nodes.len()),
+        ("elements", builder.elements.len()),
+        ("element corners", builder.corners.len()),
+    ] {
+        if count >= u32::MAX as usize {
+            return Err(MeshError::TooLarge { what, count });
+        }
+    }
+    for (index, &(tag, position)) in builder.nodes.iter().enumerate() {
+        if index_of.insert(tag, index as u32).is_some() {
+            return Err(MeshError::DuplicateNode { node: tag });
+        }
+        for (axis, value) in ['x', 'y', 'z'].into_iter().zip(position.iter()) {
+            if !value.is_finite() {
+                return Err(MeshError::CoordinateNotFinite {
+                    node: tag,
+                    axis,
+                    value: *value,
+                });
+            }
+        }
+        mesh.node_tags.push(tag);
+        mesh.positions.push(position);
+    }
+    elements(&builder, &index_of, &mut mesh)?;
+    for (name, tags) in &builder.node_sets {
+        let mut nodes = Vec::with_capacity(tags.len());
+        for tag in tags {
+            let node = index_of.get(tag).ok_or_else(|| MeshError::SetOutOfRange {
+                what: "node",
+                name: name.clone(),
+                number: *tag,
+            })?;
+            nodes.push(*node);
+        }
+        mesh.set_node_set(name, nodes)?;
+    }
+    for (name, indices) in builder.element_sets {
+        mesh.set_element_set(&name, indices)?;
+    }
+    facets(&builder.facet_sets, &index_of, &mut mesh)?;
+    Ok(mesh)
+}
+
+fn elements(
+    builder: &MeshBuilder,
+    index_of: &HashMap<u64, u32>,
+    mesh: &mut Mesh,
+) -> Result<(), MeshError> {
+    if builder.elements.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    let mut seen = HashSet::with_capacity(builder.elements.len());
+    let mut start = 0;
+    mesh.offsets.push(0);
+    for &(tag, kind, count) in &builder.elements {
+        let corners = &builder.corners[start..start + count as usize];
+        start += count as usize;
+        if !seen.insert(tag) {
+            return Err(MeshError::DuplicateElement { element: tag });
+        }
+        if corners.len() != kind.node_count() {
+            return Err(MeshError::NodeCount {
+                element: tag,
+                kind: kind.name(),
+                found: corners.len(),
+                expected: kind.node_count(),
+            });
+        }
+        let first = mesh.connectivity.len();
+        for node in corners {
+            let index = index_of.get(node).ok_or(MeshError::DanglingNode {
+                element: tag,
+                node: *node,
+            })?;
+            if mesh.connectivity[first..].contains(index) {
+                return Err(MeshError::RepeatedNode {
+                    element: tag,
+                    node: *node,
+                });
+            }
+            mesh.connectivity.push(*index);
+        }
+        mesh.kinds.push(kind);
+        mesh.element_tags.push(tag);
+        mesh.offsets.push(mesh.connectivity.len() as u32);
+    }
+    coincident_elements(mesh)
+}
+
+/// Two elements on the same nodes have the same sorted nodes, hence the same hash of them.
+fn coincident_elements(mesh: &Mesh) -> Result<(), MeshError> {
+    let sorted = |element: u32| {
+        let mut nodes = mesh.nodes_of(element).to_vec();
+        nodes.sort_unstable();
+        nodes
+    };
+    let state = BuildHasherDefault::<DefaultHasher>::default();
+    let mut hashes: Vec<(u64, u32)> = (0..mesh.element_count() as u32)
+        .map(|element| (state.hash_one(sorted(element)), element))
+        .collect();
+    hashes.sort_unstable();
+    for run in hashes
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|run| run.len() > 1)
+    {
+        let mut nodes: Vec<(Vec<u32>, u32)> = run.iter().map(|e| (sorted(e.1), e.1)).collect();
+        nodes.sort_unstable();
+        if let Some(pair) = nodes.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            return Err(MeshError::CoincidentElements {
+                first: mesh.element_tags[pair[0].1 as usize],
+                second: mesh.element_tags[pair[1].1 as usize],
+            });
+        }
+    }
+    Ok(())
+}
+
+fn facets(
+    sets: &BTreeMap<String, Vec<Vec<u64>>>,
+    index_of: &HashMap<u64, u32>,
+    mesh: &mut Mesh,
+) -> Result<(), MeshError> {
+    if sets.is_empty() {
+        return Ok(());
+    }
+    let sides = SideTable::of_all(mesh);
+    for (name, list) in sets {
+        let mut resolved = Vec::with_capacity(list.len());
+        for tags in list {
+            let lost = || MeshError::FacetWithoutElement {
+                name: name.clone(),
+                nodes: tags.clone(),
+            };
+            let mut nodes = Vec::with_capacity(tags.len());
+            for tag in tags {
+                nodes.push(*index_of.get(tag).ok_or_else(lost)?);
+            }
+            let found = sides.with_nodes(mesh, &nodes);
+            if found.is_empty() {
+                return Err(lost());
+            }
+            resolved.extend_from_slice(found);
+        }
+        mesh.set_facet_set(name, resolved)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,82 @@
+//! Sets chosen by geometry, for meshes without names.
+
+use super::{Facet, Mesh};
+use crate::Vec3;
+
+/// An axis of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Axis {
+    /// The first horizontal axis.
+    X,
+    /// The second horizontal axis.
+    Y,
+    /// Upwards.
+    Z,
+}
+
+impl Axis {
+    /// Its place among coordinates: 0, 1 or 2.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+    /// Its unit vector.
+    pub fn unit(self) -> Vec3 {
+        Vec3::ith(self.index(), 1.0)
+    }
+    /// `x`, `y` or `z`.
+    pub fn name(self) -> char {
+        ['x', 'y', 'z'][self.index()]
+    }
+}
+
+impl Mesh {
+    /// Surface facets all of whose nodes lie within `tolerance` (m) of the plane on which the
+    /// coordinate along `axis` is `value` (m), in rising order.
+    pub fn facets_on_plane(&self, axis: Axis, value: f64, tolerance: f64) -> Vec<Facet> {
+        self.alone_among(|nodes| {
+            nodes.iter().all(|&node| {
+                (self.positions[node as usize][axis.index()] - value).abs() <= tolerance
+            })
+        })
+    }
+
+    /// Nodes in a closed box (m), in rising order.
+    pub fn nodes_in_box(&self, low: &Vec3, high: &Vec3) -> Vec<u32> {
+        let inside = |&node: &u32| lies_in(&self.positions[node as usize], low, high);
+        (0..self.node_count() as u32).filter(inside).collect()
+    }
+
+    /// Elements whose [centroid](Self::centroid) lies in a closed box (m), in rising order.
+    pub fn elements_in_box(&self, low: &Vec3, high: &Vec3) -> Vec<u32> {
+        let inside = |&element: &u32| lies_in(&self.centroid(element), low, high);
+        (0..self.element_count() as u32).filter(inside).collect()
+    }
+
+    /// Nodes of facets, each once, in rising order.
+    ///
+    /// # Panics
+    /// If a facet does not belong to this mesh.
+    pub fn nodes_of_facets(&self, facets: &[Facet]) -> Vec<u32> {
+        let nodes = facets.iter().flat_map(|&facet| self.facet_nodes(facet));
+        sorted_once(nodes.collect())
+    }
+
+    /// Nodes of elements, each once, in rising order.
+    ///
+    /// # Panics
+    /// If an element does not belong to this mesh.
+    pub fn nodes_of_elements(&self, elements: &[u32]) -> Vec<u32> {
+        let nodes = elements.iter().flat_map(|&element| self.nodes_of(element));
+        sorted_once(nodes.copied().collect())
+    }
+}
+
+pub(super) fn lies_in(position: &Vec3, low: &Vec3, high: &Vec3) -> bool {
+    (0..3).all(|i| low[i] <= position[i] && position[i] <= high[i])
+}
+
+fn sorted_once(mut nodes: Vec<u32>) -> Vec<u32> {
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}

@@ -1,0 +1,132 @@
+//! Isoparametric shape functions.
+
+use super::ElementKind;
+use crate::Vec3;
+
+/// Natural coordinates of the corners of the hexahedron.
+const HEX_SIGNS: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+const TET_CORNERS: [[f64; 3]; 4] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+];
+const WEDGE_CORNERS: [[f64; 3]; 6] = [
+    [0.0, 0.0, -1.0],
+    [1.0, 0.0, -1.0],
+    [0.0, 1.0, -1.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [0.0, 1.0, 1.0],
+];
+const BAR_ENDS: [[f64; 3]; 2] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
+
+impl ElementKind {
+    /// Natural coordinates of the nodes.
+    pub fn natural_corners(self) -> &'static [[f64; 3]] {
+        match self {
+            Self::Hex8 => &HEX_SIGNS,
+            Self::Tet4 => &TET_CORNERS,
+            Self::Wedge6 => &WEDGE_CORNERS,
+            Self::Bar2 => &BAR_ENDS,
+        }
+    }
+
+    /// Values of the shape functions at natural coordinates, one per node.
+    ///
+    /// Hexahedra: `N_a = (1 + r_a r)(1 + s_a s)(1 + t_a t) / 8` on `[-1, 1]^3`. Tetrahedra:
+    /// `1 - r - s - t, r, s, t`. Wedges: `(1 - r - s, r, s)` times `(1 -+ t) / 2`, triangle
+    /// coordinates `r, s` and `t` in `[-1, 1]`. Bars: `(1 -+ r) / 2`, `r` in `[-1, 1]`.
+    ///
+    /// # Panics
+    /// If `values` is shorter than [`node_count`](Self::node_count).
+    pub fn shape_functions(self, natural: &Vec3, values: &mut [f64]) {
+        let (r, s, t) = (natural.x, natural.y, natural.z);
+        match self {
+            Self::Hex8 => {
+                for (value, [ra, sa, ta]) in values[..8].iter_mut().zip(HEX_SIGNS) {
+                    *value = 0.125 * (1.0 + ra * r) * (1.0 + sa * s) * (1.0 + ta * t);
+                }
+            }
+            Self::Tet4 => values[..4].copy_from_slice(&[1.0 - r - s - t, r, s, t]),
+            Self::Wedge6 => {
+                for (a, triangle) in [1.0 - r - s, r, s].into_iter().enumerate() {
+                    values[a] = 0.5 * (1.0 - t) * triangle;
+                    values[a + 3] = 0.5 * (1.0 + t) * triangle;
+                }
+            }
+            Self::Bar2 => values[..2].copy_from_slice(&[0.5 * (1.0 - r), 0.5 * (1.0 + r)]),
+        }
+    }
+
+    /// Derivatives of the [shape functions](Self::shape_functions) by the natural coordinates.
+    ///
+    /// # Panics
+    /// If `gradients` is shorter than [`node_count`](Self::node_count).
+    pub fn shape_gradients(self, natural: &Vec3, gradients: &mut [Vec3]) {
+        let (r, s, t) = (natural.x, natural.y, natural.z);
+        match self {
+            Self::Hex8 => {
+                for (gradient, [ra, sa, ta]) in gradients[..8].iter_mut().zip(HEX_SIGNS) {
+                    let (fr, fs, ft) = (1.0 + ra * r, 1.0 + sa * s, 1.0 + ta * t);
+                    *gradient = Vec3::new(ra * fs * ft, fr * sa * ft, fr * fs * ta) * 0.125;
+                }
+            }
+            Self::Tet4 => {
+                gradients[..4].copy_from_slice(&[
+                    Vec3::repeat(-1.0),
+                    Vec3::x(),
+                    Vec3::y(),
+                    Vec3::z(),
+                ]);
+            }
+            Self::Wedge6 => {
+                let triangle = [(1.0 - r - s, -1.0, -1.0), (r, 1.0, 0.0), (s, 0.0, 1.0)];
+                for (a, (value, by_r, by_s)) in triangle.into_iter().enumerate() {
+                    let (low, high) = (0.5 * (1.0 - t), 0.5 * (1.0 + t));
+                    gradients[a] = Vec3::new(by_r * low, by_s * low, -0.5 * value);
+                    gradients[a + 3] = Vec3::new(by_r * high, by_s * high, 0.5 * value);
+                }
+            }
+            Self::Bar2 => {
+                gradients[..2].copy_from_slice(&[-0.5 * Vec3::x(), 0.5 * Vec3::x()]);
+            }
+        }
+    }
+
+    /// Natural coordinates of the centre.
+    pub fn natural_centre(self) -> Vec3 {
+        match self {
+            Self::Hex8 | Self::Bar2 => Vec3::zeros(),
+            Self::Tet4 => Vec3::repeat(0.25),
+            Self::Wedge6 => Vec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0),
+        }
+    }
+
+    /// Natural coordinates moved into the element's own range; unchanged if they lie in it.
+    pub(super) fn into_range(self, natural: Vec3) -> Vec3 {
+        let clamp = |value: f64| value.clamp(-1.0, 1.0);
+        match self {
+            Self::Hex8 => natural.map(clamp),
+            Self::Bar2 => Vec3::new(clamp(natural.x), 0.0, 0.0),
+            Self::Tet4 => {
+                let positive = natural.map(|value| value.max(0.0));
+                positive / positive.sum().max(1.0)
+            }
+            Self::Wedge6 => {
+                let (r, s) = (natural.x.max(0.0), natural.y.max(0.0));
+                let sum = (r + s).max(1.0);
+                Vec3::new(r / sum, s / sum, clamp(natural.z))
+            }
+        }
+    }
+}

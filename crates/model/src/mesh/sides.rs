@@ -1,0 +1,116 @@
+//! Which sides of elements lie on the same nodes.
+
+use super::{Facet, Mesh};
+
+/// Facets in buckets by the lowest of their nodes; eight bytes a facet, four a node.
+pub(super) struct SideTable {
+    /// Where the bucket of each node starts.
+    starts: Vec<u32>,
+    /// Facets, inside a bucket in the order of their sorted nodes, then of the facets themselves.
+    facets: Vec<Facet>,
+}
+
+/// Sorted nodes of a side; `u32::MAX`, which is no node, fills the place of a missing fourth.
+type Key = [u32; 4];
+
+fn key_of(nodes: impl Iterator<Item = u32>) -> Option<Key> {
+    let mut key = [u32::MAX; 4];
+    for (i, node) in nodes.enumerate() {
+        *key.get_mut(i)? = node;
+    }
+    key.sort_unstable();
+    Some(key)
+}
+
+impl Mesh {
+    fn side_key(&self, facet: Facet) -> Key {
+        let nodes = self.nodes_of(facet.element);
+        let side = self.kind(facet.element).sides()[facet.side as usize];
+        let mut key = [u32::MAX; 4];
+        for (place, &corner) in key.iter_mut().zip(side) {
+            *place = nodes[corner as usize];
+        }
+        key.sort_unstable();
+        key
+    }
+
+    fn all_sides(&self) -> impl Iterator<Item = Facet> + '_ {
+        (0..self.element_count() as u32).flat_map(|element| {
+            (0..self.kind(element).sides().len() as u8).map(move |side| Facet { element, side })
+        })
+    }
+
+    /// Sides of elements that lie on no other element: the surface of the mesh, holes included, in
+    /// rising order.
+    ///
+    /// A quadrilateral side that meets two triangles counts as surface, and so do they.
+    pub fn boundary_facets(&self) -> Vec<Facet> {
+        SideTable::of_all(self).alone(self)
+    }
+
+    /// Those of the sides chosen that lie on no other side chosen, in rising order.
+    pub(super) fn alone_among(&self, chosen: impl Fn(&[u32]) -> bool) -> Vec<Facet> {
+        SideTable::of(self, |facet| {
+            let key = self.side_key(facet);
+            chosen(&key[..3 + usize::from(key[3] != u32::MAX)])
+        })
+        .alone(self)
+    }
+}
+
+impl SideTable {
+    /// The table of all sides of all solid elements.
+    pub(super) fn of_all(mesh: &Mesh) -> Self {
+        Self::of(mesh, |_| true)
+    }
+
+    fn of(mesh: &Mesh, chosen: impl Fn(Facet) -> bool) -> Self {
+        let sides = || mesh.all_sides().filter(|&facet| chosen(facet));
+        let mut starts = vec![0_u32; mesh.node_count() + 1];
+        for facet in sides() {
+            starts[mesh.side_key(facet)[0] as usize + 1] += 1;
+        }
+        for node in 0..mesh.node_count() {
+            starts[node + 1] += starts[node];
+        }
+        let nothing = Facet {
+            element: 0,
+            side: 0,
+        };
+        let mut facets = vec![nothing; starts[mesh.node_count()] as usize];
+        let mut next = starts.clone();
+        for facet in sides() {
+            let place = &mut next[mesh.side_key(facet)[0] as usize];
+            facets[*place as usize] = facet;
+            *place += 1;
+        }
+        for node in 0..mesh.node_count() {
+            let bucket = starts[node] as usize..starts[node + 1] as usize;
+            facets[bucket].sort_unstable_by_key(|&facet| (mesh.side_key(facet), facet));
+        }
+        Self { starts, facets }
+    }
+
+    /// All facets on these nodes, in any order: none, one on the surface, two inside.
+    pub(super) fn with_nodes(&self, mesh: &Mesh, nodes: &[u32]) -> &[Facet] {
+        let Some(key) = key_of(nodes.iter().copied()).filter(|key| key[2] != u32::MAX) else {
+            return &[];
+        };
+        let lowest = key[0] as usize;
+        let bucket = &self.facets[self.starts[lowest] as usize..self.starts[lowest + 1] as usize];
+        let from = bucket.partition_point(|&facet| mesh.side_key(facet) < key);
+        let to = bucket.partition_point(|&facet| mesh.side_key(facet) <= key);
+        &bucket[from..to]
+    }
+
+    fn alone(&self, mesh: &Mesh) -> Vec<Facet> {
+        let mut alone: Vec<Facet> = self
+            .facets
+            .chunk_by(|&a, &b| mesh.side_key(a) == mesh.side_key(b))
+            .filter(|run| run.len() == 1)
+            .map(|run| run[0])
+            .collect();
+        alone.sort_unstable();
+        alone
+    }
+}
