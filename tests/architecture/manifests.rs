@@ -1,0 +1,174 @@
+//! Who may depend on whom.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use toml::{Table, Value};
+
+/// The workspace's own directory.
+pub(crate) fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The six crates around the model; none knows another.
+const SIX: [&str; 6] = [
+    "powerhouse-explicit-core",
+    "powerhouse-wavefield",
+    "powerhouse-boundary",
+    "powerhouse-contact",
+    "powerhouse-material-damage",
+    "powerhouse-io",
+];
+
+/// The packages that nobody depends on and that are not published.
+const SHELVES: [&str; 3] = [
+    "powerhouse-examples",
+    "powerhouse-tests",
+    "powerhouse-benches",
+];
+
+/// Packages of the workspace that a package may depend on, in every kind of dependency.
+fn permitted(package: &str) -> Vec<&'static str> {
+    let model = "powerhouse-model";
+    match package {
+        "powerhouse-model" => vec![],
+        "powerhouse" => [&[model][..], &SIX].concat(),
+        "powerhouse-study" => vec!["powerhouse"],
+        "powerhouse-cli" => vec!["powerhouse", "powerhouse-study"],
+        six if SIX.contains(&six) => vec![model],
+        shelf if SHELVES.contains(&shelf) => {
+            [&["powerhouse", "powerhouse-study", model][..], &SIX].concat()
+        }
+        other => panic!("the package '{other}' has no place in the star yet"),
+    }
+}
+
+/// What a package may take from the registry at run time, where that is to stay little.
+fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
+    match package {
+        "powerhouse-model" => Some(&["nalgebra", "thiserror", "serde"]),
+        "powerhouse-boundary" | "powerhouse-contact" | "powerhouse-material-damage" => {
+            Some(&["nalgebra", "thiserror"])
+        }
+        "powerhouse-wavefield" => Some(&["nalgebra", "thiserror", "realfft"]),
+        "powerhouse-explicit-core" => Some(&["nalgebra", "thiserror", "rayon", "pulp"]),
+        _ => None,
+    }
+}
+
+fn read(path: &Path) -> Table {
+    let text = fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    text.parse()
+        .unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Name and manifest of every package of the workspace.
+pub(crate) fn packages() -> Vec<(String, Table)> {
+    let mut directories: Vec<PathBuf> = fs::read_dir(workspace().join("crates"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    for shelf in ["examples", "tests", "benches"] {
+        directories.push(workspace().join(shelf));
+    }
+    directories.sort();
+    directories
+        .iter()
+        .map(|directory| directory.join("Cargo.toml"))
+        .filter(|manifest| manifest.exists())
+        .map(|manifest| {
+            let table = read(&manifest);
+            let name = table["package"]["name"].as_str().unwrap().to_owned();
+            (name, table)
+        })
+        .collect()
+}
+
+/// Names of the dependencies in the given tables of a manifest, target-specific ones included.
+fn dependencies(manifest: &Table, kinds: &[&str]) -> BTreeSet<String> {
+    let targets = manifest.get("target").and_then(Value::as_table);
+    let by_target = targets.into_iter().flat_map(Table::values);
+    let tables = by_target.filter_map(Value::as_table);
+    std::iter::once(manifest)
+        .chain(tables)
+        .flat_map(|table| kinds.iter().filter_map(|kind| table.get(*kind)))
+        .filter_map(Value::as_table)
+        .flat_map(Table::iter)
+        .map(|(key, value)| {
+            let renamed = value.get("package").and_then(Value::as_str);
+            renamed.unwrap_or(key).to_owned()
+        })
+        .collect()
+}
+
+const ALL_KINDS: [&str; 3] = ["dependencies", "dev-dependencies", "build-dependencies"];
+
+/// The workspace is a star: each package depends on the packages below it and on no others, and
+/// the six around the model never on each other.
+#[test]
+fn dependencies_form_a_star() {
+    for (package, manifest) in packages() {
+        let permitted = permitted(&package);
+        for dependency in dependencies(&manifest, &ALL_KINDS) {
+            let own = dependency.starts_with("powerhouse");
+            assert!(
+                !own || permitted.contains(&dependency.as_str()),
+                "{package} depends on {dependency}; it may depend on {permitted:?}"
+            );
+        }
+    }
+}
+
+/// A code that wants one crate pays for one: the small crates take little from the registry.
+#[test]
+fn small_crates_stay_small() {
+    for (package, manifest) in packages() {
+        let Some(permitted) = permitted_from_registry(&package) else {
+            continue;
+        };
+        for dependency in dependencies(&manifest, &["dependencies", "build-dependencies"]) {
+            assert!(
+                dependency.starts_with("powerhouse") || permitted.contains(&dependency.as_str()),
+                "{package} takes {dependency} from the registry; it may take {permitted:?}"
+            );
+        }
+    }
+}
+
+/// Every package obeys the workspace's lints, which deny undocumented public items and unsafe
+/// code.
+#[test]
+fn lints_hold_everywhere() {
+    let root = read(&workspace().join("Cargo.toml"));
+    let lints = &root["workspace"]["lints"]["rust"];
+    assert_eq!(lints["missing_docs"].as_str(), Some("deny"));
+    assert_eq!(lints["unsafe_code"].as_str(), Some("deny"));
+    for (package, manifest) in packages() {
+        let inherits = manifest
+            .get("lints")
+            .and_then(|lints| lints.get("workspace"))
+            .and_then(Value::as_bool);
+        assert_eq!(inherits, Some(true), "{package} does not inherit the lints");
+    }
+}
+
+/// Libraries have no bench harness (or criterion's flags fail), shelves are not published, and
+/// everything carries the workspace's licence.
+#[test]
+fn packages_are_set_up_alike() {
+    for (package, manifest) in packages() {
+        let licence = &manifest["package"]["license"]["workspace"];
+        assert_eq!(licence.as_bool(), Some(true), "{package}");
+        let published = manifest["package"].get("publish").and_then(Value::as_bool);
+        assert_eq!(
+            published == Some(false),
+            SHELVES.contains(&package.as_str()),
+            "{package}"
+        );
+        if !SHELVES.contains(&package.as_str()) && package != "powerhouse-cli" {
+            let bench = manifest["lib"].get("bench").and_then(Value::as_bool);
+            assert_eq!(bench, Some(false), "{package}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! What sources look like.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::manifests::workspace;
+
+/// The longest source file; one concern seldom needs more.
+const MOST_LINES: usize = 600;
+
+/// Files below a directory, without build output, run output and what is hidden.
+fn files_below(directory: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open = vec![directory.to_path_buf()];
+    while let Some(directory) = open.pop() {
+        for entry in fs::read_dir(&directory).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let output = name == "target" || name == "out" || name.ends_with(".out");
+            let hidden = name.starts_with('.') && name != ".ci";
+            if output || hidden {
+                continue;
+            }
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Path and text of every Rust file of the workspace.
+fn rust_files() -> Vec<(PathBuf, String)> {
+    files_below(&workspace())
+        .into_iter()
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
+        .map(|path| {
+            let text = fs::read_to_string(&path).unwrap();
+            (path, text)
+        })
+        .collect()
+}
+
+/// Files hold one concern: none is longer than 600 lines.
+#[test]
+fn files_are_short() {
+    let long: Vec<String> = rust_files()
+        .iter()
+        .map(|(path, text)| (path, text.lines().count()))
+        .filter(|(_, lines)| *lines > MOST_LINES)
+        .map(|(path, lines)| format!("{}: {lines}", path.display()))
+        .collect();
+    assert!(long.is_empty(), "{long:#?}");
+}
+
+/// Things live where their name says: there is no module for what has no place.
+#[test]
+fn there_is_no_drawer_for_the_rest() {
+    for (path, _) in rust_files() {
+        let is_drawer =
+            |name: &str| ["common", "utils", "util", "helpers", "misc", "shared"].contains(&name);
+        let stem = path.file_stem().unwrap().to_string_lossy();
+        let relative = path.strip_prefix(workspace()).unwrap();
+        let in_drawer = relative
+            .components()
+            .any(|part| is_drawer(&part.as_os_str().to_string_lossy()));
+        assert!(!in_drawer && !is_drawer(&stem), "{}", path.display());
+    }
+}
+
+/// Unsafe code stands in at most one file of a crate.
+#[test]
+fn unsafe_code_stands_in_one_file_of_a_crate() {
+    let mut per_crate = std::collections::BTreeMap::<String, Vec<PathBuf>>::new();
+    let lift = ["allow(", "unsafe_code)"].concat();
+    for (path, text) in rust_files() {
+        let relative = path.strip_prefix(workspace()).unwrap().to_path_buf();
+        if text.contains(&lift) {
+            let package = relative.components().take(2);
+            let package = package.map(|part| part.as_os_str().to_string_lossy());
+            let package = package.collect::<Vec<_>>().join("/");
+            per_crate.entry(package).or_default().push(relative);
+        }
+    }
+    assert!(
+        per_crate.values().all(|files| files.len() == 1),
+        "{per_crate:#?}"
+    );
+}
+
+/// Nothing is announced and not done: no trait and no function has a body that says so.
+#[test]
+fn nothing_is_left_undone() {
+    let marks = [
+        ["todo", "!("],
+        ["unimplemented", "!("],
+        ["not implemented", ""],
+    ];
+    for (path, text) in rust_files() {
+        for mark in &marks {
+            let mark = mark.concat();
+            assert!(
+                !text.contains(&mark) || path.ends_with("architecture/sources.rs"),
+                "{} says '{mark}'",
+                path.display()
+            );
+        }
+    }
+}
+
+/// No file names a place on somebody's machine.
+#[test]
+fn no_file_names_a_machine() {
+    let places = ["/home/", "/Users/", "/work/", "/tmp/", "/root/"];
+    for path in files_below(&workspace()) {
+        if path.ends_with("architecture/sources.rs") {
+            continue;
+        }
+        // Binary files are not text that a person wrote.
+        let Ok(text) = fs::read_to_string(&path) else {
+            continue;
+        };
+        for (number, line) in text.lines().enumerate() {
+            let address = line.contains("://");
+            for place in places {
+                assert!(
+                    address || !line.contains(place),
+                    "{}:{} names '{place}'",
+                    path.display(),
+                    number + 1
+                );
+            }
+        }
+    }
+}
