@@ -1,0 +1,210 @@
+//! From the raw content of a file to a mesh with its sets.
+
+use std::collections::{BTreeMap, HashSet};
+
+use powerhouse_model::{Mesh, MeshBuilder, MeshError};
+
+use super::error::{GmshFault, Located};
+use super::raw::{RawElement, RawMesh};
+use super::report::{GmshGroup, GmshReport};
+use super::{Encoding, GmshVersion};
+
+/// The set of all solids, if no solid of the file belongs to a physical group.
+pub(super) const ALL: &str = "all";
+/// The set of the solids that belong to no physical group, if others do.
+pub(super) const UNGROUPED: &str = "ungrouped";
+
+/// What becomes of an element.
+#[derive(Clone, Copy, PartialEq)]
+enum Fate {
+    /// It is one of the mesh, with this set beside those of its groups.
+    Element(Option<&'static str>),
+    Facet,
+    Point,
+    Dropped,
+}
+
+struct Assembly<'a> {
+    raw: &'a RawMesh,
+    /// How many elements each group has.
+    groups: BTreeMap<(usize, i32), usize>,
+    fates: Vec<Fate>,
+    used: HashSet<u64>,
+}
+
+impl<'a> Assembly<'a> {
+    fn new(raw: &'a RawMesh) -> Self {
+        let elements = &raw.elements.elements;
+        let top = elements.iter().map(|e| e.shape.dimension()).max();
+        let top = top.unwrap_or(0);
+        let grouped = |e: &RawElement| e.shape.dimension() == top && !e.groups.is_none();
+        let beside = if elements.iter().any(grouped) {
+            UNGROUPED
+        } else {
+            ALL
+        };
+        let fate = |e: &RawElement| match (e.shape.dimension(), e.groups.is_none()) {
+            (dimension, true) if dimension == top && e.shape.element().is_some() => {
+                Fate::Element(Some(beside))
+            }
+            (_, true) => Fate::Dropped,
+            (2, false) => Fate::Facet,
+            (0, false) => Fate::Point,
+            (_, false) => Fate::Element(None),
+        };
+        let fates: Vec<Fate> = elements.iter().map(fate).collect();
+        let mut groups: BTreeMap<(usize, i32), usize> =
+            raw.names.keys().map(|key| (*key, 0)).collect();
+        let mut used = HashSet::new();
+        for (element, fate) in elements.iter().zip(&fates) {
+            for &group in raw.lists.groups(element.groups) {
+                *groups
+                    .entry((element.shape.dimension(), group))
+                    .or_default() += 1;
+            }
+            if matches!(fate, Fate::Element(_)) {
+                used.extend(raw.elements.nodes_of(element));
+            }
+        }
+        Self {
+            raw,
+            groups,
+            fates,
+            used,
+        }
+    }
+
+    fn group_name(&self, dimension: usize, group: i32) -> String {
+        match self.raw.names.get(&(dimension, group)) {
+            Some(name) if !name.is_empty() => name.clone(),
+            _ => format!("physical_{dimension}_{group}"),
+        }
+    }
+
+    fn build(&self) -> Result<Mesh, Located> {
+        let raw = self.raw;
+        if !self.fates.iter().any(|f| matches!(f, Fate::Element(_))) {
+            let of = |dimension: usize| {
+                let elements = raw.elements.elements.iter();
+                elements
+                    .filter(|e| e.shape.dimension() == dimension)
+                    .count()
+            };
+            let (facets, lines, points) = (of(2), of(1), of(0));
+            let fault = GmshFault::NoSolids {
+                facets,
+                lines,
+                points,
+            };
+            return Err(Located::new("$Elements", 0, fault));
+        }
+        let names: BTreeMap<(usize, i32), String> = (self.groups.keys())
+            .map(|&(dimension, group)| ((dimension, group), self.group_name(dimension, group)))
+            .collect();
+        let mut builder = Mesh::builder();
+        for (tag, position) in raw.nodes.tags.iter().zip(&raw.nodes.positions) {
+            if self.used.contains(tag) {
+                builder.node(*tag, *position);
+            }
+        }
+        let mut sets: Vec<&str> = Vec::new();
+        for (element, fate) in raw.elements.elements.iter().zip(&self.fates) {
+            sets.clear();
+            let dimension = element.shape.dimension();
+            let groups = raw.lists.groups(element.groups);
+            sets.extend(
+                groups
+                    .iter()
+                    .map(|group| names[&(dimension, *group)].as_str()),
+            );
+            sets.sort_unstable();
+            sets.dedup();
+            self.add(&mut builder, element, *fate, &mut sets)?;
+        }
+        builder.build().map_err(|error| self.locate(error))
+    }
+
+    fn add(
+        &self,
+        builder: &mut MeshBuilder,
+        element: &RawElement,
+        fate: Fate,
+        sets: &mut Vec<&str>,
+    ) -> Result<(), Located> {
+        let nodes = self.raw.elements.nodes_of(element);
+        match (fate, element.shape.element()) {
+            (Fate::Element(beside), Some(kind)) => {
+                sets.extend(beside);
+                builder.element(element.tag, kind, nodes, sets);
+            }
+            (Fate::Facet, _) => {
+                for set in sets.iter() {
+                    builder.facet(set, nodes);
+                }
+            }
+            (Fate::Point, _) => {
+                for set in sets.iter() {
+                    if let Some(&node) = nodes.iter().find(|node| !self.used.contains(node)) {
+                        let group = (*set).into();
+                        let fault = GmshFault::PointWithoutElement { group, node };
+                        return Err(Located::new("$Elements", element.offset, fault));
+                    }
+                    builder.node_set(set, nodes);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Gives a fault of the mesh its place in the file.
+    fn locate(&self, error: MeshError) -> Located {
+        let elements = &self.raw.elements;
+        let element = match &error {
+            MeshError::CoincidentElements { second: tag, .. }
+            | MeshError::Inverted { element: tag, .. }
+            | MeshError::NoLength { element: tag } => {
+                elements.elements.iter().find(|e| e.tag == *tag)
+            }
+            MeshError::FacetWithoutElement { nodes, .. } => {
+                (elements.elements.iter()).find(|e| elements.nodes_of(e) == nodes)
+            }
+            _ => None,
+        };
+        let offset = element.map_or(0, |element| element.offset);
+        Located::new("$Elements", offset, error)
+    }
+}
+
+/// Builds the mesh and checks its shapes.
+pub(super) fn assemble(
+    raw: &RawMesh,
+    version: GmshVersion,
+    encoding: Encoding,
+) -> Result<(Mesh, GmshReport), Located> {
+    let assembly = Assembly::new(raw);
+    let mesh = assembly.build()?;
+    let quality = mesh.check().map_err(|error| assembly.locate(error))?;
+    let fates = |wanted: fn(&Fate) -> bool| assembly.fates.iter().filter(|f| wanted(f)).count();
+    let report = GmshReport {
+        version,
+        encoding,
+        nodes: raw.nodes.tags.len(),
+        elements: raw.elements.elements.len() + raw.merged,
+        merged_elements: raw.merged,
+        dropped_elements: fates(|fate| *fate == Fate::Dropped),
+        ungrouped_elements: fates(|fate| matches!(fate, Fate::Element(Some(_)))),
+        dropped_nodes: raw.nodes.tags.len() - mesh.node_count(),
+        groups: (assembly.groups.iter())
+            .map(|(&(dimension, number), &elements)| GmshGroup {
+                name: assembly.group_name(dimension, number),
+                dimension,
+                number,
+                elements,
+            })
+            .collect(),
+        skipped_sections: raw.skipped.clone(),
+        quality,
+    };
+    Ok((mesh, report))
+}

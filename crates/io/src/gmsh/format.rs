@@ -1,0 +1,112 @@
+//! The head of a file: version, text or binary, byte order.
+
+use super::error::{GmshFault, Located, snippet};
+
+/// Versions of the format that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GmshVersion {
+    /// MSH 2.2.
+    Two,
+    /// MSH 4.1.
+    Four,
+}
+
+/// Order of the bytes of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ByteOrder {
+    /// Lowest byte first.
+    Little,
+    /// Highest byte first.
+    Big,
+}
+
+/// Numbers as text or as bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Decimal digits.
+    Text,
+    /// As in memory.
+    Binary(ByteOrder),
+}
+
+/// What `$MeshFormat` says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Format {
+    pub(super) version: GmshVersion,
+    pub(super) encoding: Encoding,
+    /// Bytes of a `size_t` in binary files of version 4.1.
+    pub(super) size_width: usize,
+}
+
+const SECTION: &str = "$MeshFormat";
+
+/// Reads the content of `$MeshFormat`, which starts at `at`; returns where it ends.
+pub(super) fn read(bytes: &[u8], at: usize) -> Result<(Format, usize), Located> {
+    let fault = |offset, fault: GmshFault| Located::new(SECTION, offset, fault);
+    let rest = &bytes[at..];
+    let length = rest.iter().position(|byte| *byte == b'\n').ok_or_else(|| {
+        let section = SECTION.into();
+        fault(at, GmshFault::NotEnded { section })
+    })?;
+    let line = &rest[..length];
+    let words: Vec<&[u8]> = line
+        .split(u8::is_ascii_whitespace)
+        .filter(|word| !word.is_empty())
+        .collect();
+    let expected = || {
+        let (what, found) = ("version, file type and data size", snippet(line));
+        fault(at, GmshFault::Expected { what, found })
+    };
+    let [version, file_type, data_size] = words[..] else {
+        return Err(expected());
+    };
+    let number = |word: &[u8]| std::str::from_utf8(word).ok()?.parse::<i64>().ok();
+    let file_type = number(file_type).ok_or_else(expected)?;
+    let data_size = number(data_size)
+        .and_then(|size| u64::try_from(size).ok())
+        .ok_or_else(expected)?;
+    let version = match version {
+        b"2.2" => GmshVersion::Two,
+        b"4.1" => GmshVersion::Four,
+        other => {
+            let version = snippet(other);
+            return Err(fault(at, GmshFault::Version { version }));
+        }
+    };
+    let permitted = match version {
+        GmshVersion::Two if data_size != 8 => Some("8"),
+        GmshVersion::Four if data_size != 4 && data_size != 8 => Some("4 or 8"),
+        _ => None,
+    };
+    if let Some(permitted) = permitted {
+        let found = data_size;
+        return Err(fault(at, GmshFault::DataSize { found, permitted }));
+    }
+    let mut end = at + length + 1;
+    let encoding = match file_type {
+        0 => Encoding::Text,
+        1 => {
+            let what = "the byte order mark";
+            let mark = *bytes[end..]
+                .first_chunk::<4>()
+                .ok_or_else(|| fault(end, GmshFault::Truncated { what }))?;
+            let found = u32::from_le_bytes(mark);
+            let order = match (found, found.swap_bytes()) {
+                (1, _) => ByteOrder::Little,
+                (_, 1) => ByteOrder::Big,
+                _ => return Err(fault(end, GmshFault::ByteOrder { found })),
+            };
+            end += 4;
+            Encoding::Binary(order)
+        }
+        found => return Err(fault(at, GmshFault::FileType { found })),
+    };
+    let size_width = if data_size == 4 { 4 } else { 8 };
+    let format = Format {
+        version,
+        encoding,
+        size_width,
+    };
+    Ok((format, end))
+}

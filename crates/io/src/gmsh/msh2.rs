@@ -1,0 +1,215 @@
+//! Version 2.2, which mshio does not read.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use powerhouse_model::Vec3;
+
+use super::cursor::{Cursor, Record};
+use super::error::{GmshFault, Located};
+use super::format::Encoding;
+use super::raw::{GroupList, GroupLists, NodeOffsets, RawElement, RawElements, RawNodes};
+use super::shape::{Meaning, Shape};
+
+/// The count at the head of a section, which is text in binary files too.
+fn count(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<usize, Located> {
+    let encoding = std::mem::replace(&mut cursor.encoding, Encoding::Text);
+    let offset = cursor.place();
+    let count = cursor.size(what);
+    cursor.encoding = encoding;
+    let count = count?;
+    if encoding != Encoding::Text {
+        // The numbers start right after the line.
+        for blank in [b'\r', b'\n'] {
+            if cursor.bytes[cursor.at..cursor.end].first() == Some(&blank) {
+                cursor.at += 1;
+            }
+        }
+    }
+    cursor.fits(offset, count, record, what)
+}
+
+/// The number of a node or element: an `int`, but of any size in text.
+fn tag(cursor: &mut Cursor<'_>, what: &'static str) -> Result<u64, Located> {
+    if cursor.encoding == Encoding::Text {
+        return cursor.size(what);
+    }
+    let offset = cursor.at;
+    let tag = cursor.integer(what)?;
+    u64::try_from(tag).map_err(|_| {
+        let found = tag.to_string();
+        cursor.fault(offset, GmshFault::Expected { what, found })
+    })
+}
+
+/// A count among the integers of an element.
+fn small(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<usize, Located> {
+    let offset = cursor.place();
+    let number = cursor.integer(what)?;
+    let count = u64::try_from(number).map_err(|_| {
+        let found = number.to_string();
+        cursor.fault(offset, GmshFault::Expected { what, found })
+    })?;
+    cursor.fits(offset, count, record, what)
+}
+
+/// Reads `$Nodes`.
+pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<RawNodes, Located> {
+    let record = Record {
+        integers: 1,
+        reals: 3,
+        ..Record::default()
+    };
+    let count = count(cursor, record, "nodes")?;
+    let mut nodes = RawNodes::default();
+    for _ in 0..count {
+        let at = cursor.place();
+        nodes.tags.push(tag(cursor, "the number of a node")?);
+        let position = cursor.place();
+        nodes.positions.push(Vec3::new(
+            cursor.real("a coordinate")?,
+            cursor.real("a coordinate")?,
+            cursor.real("a coordinate")?,
+        ));
+        nodes.offsets.push(NodeOffsets { tag: at, position });
+    }
+    Ok(nodes)
+}
+
+const INTEGER: Record = Record {
+    integers: 1,
+    sizes: 0,
+    reals: 0,
+};
+
+/// Reads `$Elements`.
+pub(super) fn elements(
+    cursor: &mut Cursor<'_>,
+    lists: &mut GroupLists,
+) -> Result<RawElements, Located> {
+    let least = Record {
+        integers: 2,
+        ..Record::default()
+    };
+    let count = count(cursor, least, "elements")?;
+    let mut raw = RawElements::default();
+    if cursor.encoding == Encoding::Text {
+        for _ in 0..count {
+            let offset = cursor.place();
+            let number = tag(cursor, "the number of an element")?;
+            let type_at = cursor.place();
+            let type_number = cursor.integer("an element type")?;
+            let shape = shape(cursor, type_at, type_number, number)?;
+            let tags = small(cursor, INTEGER, "tags of an element")?;
+            element(cursor, lists, &mut raw, (number, offset), shape, tags)?;
+        }
+        return Ok(raw);
+    }
+    while raw.elements.len() < count {
+        let type_at = cursor.at;
+        let type_number = cursor.integer("an element type")?;
+        let follow_at = cursor.at;
+        let following = small(cursor, INTEGER, "elements of one type")?;
+        if following == 0 || following > count - raw.elements.len() {
+            let fault = GmshFault::Total {
+                what: "elements",
+                stated: count as u64,
+                found: (raw.elements.len() + following) as u64,
+            };
+            return Err(cursor.fault(follow_at, fault));
+        }
+        let tags = small(cursor, INTEGER, "tags of an element")?;
+        for _ in 0..following {
+            let offset = cursor.at;
+            let number = tag(cursor, "the number of an element")?;
+            let shape = shape(cursor, type_at, type_number, number)?;
+            element(cursor, lists, &mut raw, (number, offset), shape, tags)?;
+        }
+    }
+    Ok(raw)
+}
+
+fn shape(cursor: &Cursor<'_>, offset: usize, number: i32, element: u64) -> Result<Shape, Located> {
+    let number = number.into();
+    match Shape::of_number(number) {
+        Meaning::Read(shape) => Ok(shape),
+        Meaning::Unsupported(name) => {
+            let fault = GmshFault::UnsupportedElement { name, element };
+            Err(cursor.fault(offset, fault))
+        }
+        Meaning::Unknown => Err(cursor.fault(offset, GmshFault::ElementType { number })),
+    }
+}
+
+/// Tags and nodes of one element: the physical group, the entity, then those of a partition.
+fn element(
+    cursor: &mut Cursor<'_>,
+    lists: &mut GroupLists,
+    raw: &mut RawElements,
+    (number, offset): (u64, usize),
+    shape: Shape,
+    tags: usize,
+) -> Result<(), Located> {
+    let (mut group, mut entity) = (0, 0);
+    for place in 0..tags {
+        let at = cursor.place();
+        let value = cursor.integer("a tag of an element")?;
+        match place {
+            0 => group = value,
+            1 => entity = value,
+            2 if value > 0 => return Err(cursor.fault(at, GmshFault::Partitioned)),
+            _ => {}
+        }
+    }
+    raw.elements.push(RawElement {
+        tag: number,
+        shape,
+        entity,
+        groups: lists.intern((group != 0).then_some(group)),
+        first: raw.nodes.len(),
+        offset,
+    });
+    for _ in 0..shape.node_count() {
+        raw.nodes.push(tag(cursor, "a node of an element")?);
+    }
+    Ok(())
+}
+
+/// Puts together the copies of an element that the format writes once for each of its groups:
+/// the same entity, type and nodes under another group. The first one's number stays. Returns
+/// how many copies went.
+///
+/// A second copy in the *same* group is left, to be found as a duplicate.
+pub(super) fn merge(raw: &mut RawElements, lists: &mut GroupLists) -> usize {
+    let mut first_of: HashMap<(Shape, i32, &[u64]), usize> = HashMap::new();
+    let mut kept: Vec<RawElement> = Vec::with_capacity(raw.elements.len());
+    for element in &raw.elements {
+        let nodes = &raw.nodes[element.first..element.first + element.shape.node_count()];
+        match first_of.entry((element.shape, element.entity, nodes)) {
+            Entry::Vacant(vacant) => {
+                vacant.insert(kept.len());
+                kept.push(*element);
+            }
+            Entry::Occupied(occupied) => {
+                let first = &mut kept[*occupied.get()];
+                let (old, new) = (lists.groups(first.groups), lists.groups(element.groups));
+                if new.is_empty() || old.is_empty() || new.iter().all(|group| old.contains(group)) {
+                    kept.push(*element);
+                } else {
+                    let both: Vec<i32> = old.iter().chain(new).copied().collect();
+                    first.groups = lists.intern(both);
+                }
+            }
+        }
+    }
+    let merged = raw.elements.len() - kept.len();
+    raw.elements = kept;
+    merged
+}
+
+impl GroupList {
+    /// Whether there is no group.
+    pub(super) fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+}

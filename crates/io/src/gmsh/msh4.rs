@@ -1,0 +1,289 @@
+//! Version 4.1: what the scanner takes from a section by itself.
+//!
+//! It walks through every number, takes those that mshio drops or does not check (node numbers,
+//! counts, ranges, types, groups) and notes the place of each record.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use super::cursor::{Cursor, Record};
+use super::error::{GmshFault, Located};
+use super::raw::{GroupList, GroupLists, NodeOffsets};
+use super::shape::{Meaning, Shape};
+
+/// Groups of each entity by dimension and number.
+pub(super) type EntityGroups = HashMap<(usize, i32), GroupList>;
+
+/// A block of nodes or elements of one entity.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    pub(super) dimension: usize,
+    pub(super) entity: i32,
+    pub(super) count: usize,
+    /// The type's number, 0 for nodes.
+    pub(super) type_number: i32,
+}
+
+/// What the scanner knows of `$Nodes`.
+#[derive(Debug)]
+pub(super) struct NodeLayout {
+    pub(super) body: Range<usize>,
+    pub(super) blocks: Vec<Block>,
+    pub(super) tags: Vec<u64>,
+    pub(super) offsets: Vec<NodeOffsets>,
+}
+
+/// What the scanner knows of `$Elements`.
+#[derive(Debug)]
+pub(super) struct ElementLayout {
+    pub(super) body: Range<usize>,
+    pub(super) blocks: Vec<Block>,
+    pub(super) shapes: Vec<Option<Shape>>,
+    pub(super) tags: Vec<u64>,
+    pub(super) offsets: Vec<usize>,
+}
+
+/// Reads `$Entities`.
+pub(super) fn entities(
+    cursor: &mut Cursor<'_>,
+    lists: &mut GroupLists,
+) -> Result<EntityGroups, Located> {
+    let point = Record {
+        integers: 1,
+        sizes: 1,
+        reals: 3,
+    };
+    let other = Record {
+        integers: 1,
+        sizes: 2,
+        reals: 6,
+    };
+    let tag = Record {
+        integers: 1,
+        ..Record::default()
+    };
+    let counts = [
+        cursor.count(point, "points")?,
+        cursor.count(other, "curves")?,
+        cursor.count(other, "surfaces")?,
+        cursor.count(other, "volumes")?,
+    ];
+    let mut groups = EntityGroups::new();
+    for (dimension, count) in counts.into_iter().enumerate() {
+        for _ in 0..count {
+            let offset = cursor.place();
+            let entity = cursor.integer("the number of an entity")?;
+            let reals = if dimension == 0 { 3 } else { 6 };
+            cursor.skip_reals(reals, "a coordinate")?;
+            let number = cursor.count(tag, "physical groups")?;
+            let mut list = Vec::with_capacity(number);
+            for _ in 0..number {
+                list.push(cursor.integer("the number of a physical group")?);
+            }
+            if dimension > 0 {
+                let bounding = cursor.count(tag, "bounding entities")?;
+                for _ in 0..bounding {
+                    cursor.integer("the number of a bounding entity")?;
+                }
+            }
+            if groups
+                .insert((dimension, entity), lists.intern(list))
+                .is_some()
+            {
+                let fault = GmshFault::RepeatedEntity { dimension, entity };
+                return Err(cursor.fault(offset, fault));
+            }
+        }
+    }
+    Ok(groups)
+}
+
+/// The head that `$Nodes` and `$Elements` have in common.
+struct Head {
+    offset: usize,
+    blocks: usize,
+    total: u64,
+    range: (u64, u64),
+}
+
+fn head(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<Head, Located> {
+    let block = Record {
+        integers: 3,
+        sizes: 1,
+        ..Record::default()
+    };
+    let offset = cursor.place();
+    let blocks = cursor.count(block, "blocks")?;
+    let at = cursor.place();
+    let total = cursor.size("the total")?;
+    let range = (
+        cursor.size("the least number")?,
+        cursor.size("the largest number")?,
+    );
+    cursor.fits(at, total, record, what)?;
+    Ok(Head {
+        offset,
+        blocks,
+        total,
+        range,
+    })
+}
+
+impl Head {
+    /// Compares with what was found.
+    fn check(&self, cursor: &Cursor<'_>, tags: &[u64], what: &'static str) -> Result<(), Located> {
+        let (stated, found) = (self.total, tags.len() as u64);
+        if stated != found {
+            let fault = GmshFault::Total {
+                what,
+                stated,
+                found,
+            };
+            return Err(cursor.fault(self.offset, fault));
+        }
+        if let (Some(&least), Some(&largest)) = (tags.iter().min(), tags.iter().max())
+            && self.range != (least, largest)
+        {
+            let fault = GmshFault::Range {
+                what,
+                stated: self.range,
+                found: (least, largest),
+            };
+            return Err(cursor.fault(self.offset, fault));
+        }
+        Ok(())
+    }
+}
+
+fn dimension(cursor: &mut Cursor<'_>) -> Result<usize, Located> {
+    let offset = cursor.place();
+    let dimension = cursor.integer("the dimension of an entity")?;
+    let permitted = usize::try_from(dimension).ok().filter(|d| *d <= 3);
+    permitted.ok_or_else(|| {
+        let fault = GmshFault::Dimension {
+            what: "an entity",
+            dimension: dimension.into(),
+        };
+        cursor.fault(offset, fault)
+    })
+}
+
+/// Walks through `$Nodes`.
+pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<NodeLayout, Located> {
+    let start = cursor.at;
+    let node = Record {
+        sizes: 1,
+        reals: 3,
+        ..Record::default()
+    };
+    let head = head(cursor, node, "nodes")?;
+    let mut layout = NodeLayout {
+        body: start..start,
+        blocks: Vec::with_capacity(head.blocks),
+        tags: Vec::new(),
+        offsets: Vec::new(),
+    };
+    for _ in 0..head.blocks {
+        let dimension = dimension(cursor)?;
+        let entity = cursor.integer("the number of an entity")?;
+        let at = cursor.place();
+        match cursor.integer("the mark of parametric nodes")? {
+            0 => {}
+            1 => return Err(cursor.fault(at, GmshFault::Parametric)),
+            other => {
+                let what = "the mark of parametric nodes, 0 or 1";
+                let found = other.to_string();
+                return Err(cursor.fault(at, GmshFault::Expected { what, found }));
+            }
+        }
+        let count = cursor.count(node, "nodes")?;
+        let first = layout.offsets.len();
+        for _ in 0..count {
+            let tag = cursor.place();
+            layout.tags.push(cursor.size("the number of a node")?);
+            layout.offsets.push(NodeOffsets { tag, position: tag });
+        }
+        for offsets in &mut layout.offsets[first..] {
+            offsets.position = cursor.place();
+            cursor.skip_reals(3, "a coordinate")?;
+        }
+        layout.blocks.push(Block {
+            dimension,
+            entity,
+            count,
+            type_number: 0,
+        });
+    }
+    head.check(cursor, &layout.tags, "nodes")?;
+    layout.body.end = cursor.at;
+    Ok(layout)
+}
+
+/// Walks through `$Elements`.
+pub(super) fn elements(cursor: &mut Cursor<'_>) -> Result<ElementLayout, Located> {
+    let start = cursor.at;
+    let least = Record {
+        sizes: 2,
+        ..Record::default()
+    };
+    let head = head(cursor, least, "elements")?;
+    let mut layout = ElementLayout {
+        body: start..start,
+        blocks: Vec::with_capacity(head.blocks),
+        shapes: Vec::with_capacity(head.blocks),
+        tags: Vec::new(),
+        offsets: Vec::new(),
+    };
+    for _ in 0..head.blocks {
+        let at = cursor.place();
+        let dimension = dimension(cursor)?;
+        let entity = cursor.integer("the number of an entity")?;
+        let type_at = cursor.place();
+        let type_number = cursor.integer("an element type")?;
+        let shape = match Shape::of_number(type_number.into()) {
+            Meaning::Read(shape) => Some(shape),
+            Meaning::Unsupported(name) => {
+                if cursor.count(least, "elements")? > 0 {
+                    let element = cursor.size("the number of an element")?;
+                    let fault = GmshFault::UnsupportedElement { name, element };
+                    return Err(cursor.fault(type_at, fault));
+                }
+                None
+            }
+            Meaning::Unknown => {
+                let number = type_number.into();
+                return Err(cursor.fault(type_at, GmshFault::ElementType { number }));
+            }
+        };
+        let mut count = 0;
+        if let Some(shape) = shape {
+            if shape.dimension() != dimension {
+                let fault = GmshFault::Dimension {
+                    what: shape.name(),
+                    dimension: dimension as i64,
+                };
+                return Err(cursor.fault(at, fault));
+            }
+            let record = Record {
+                sizes: 1 + shape.node_count(),
+                ..Record::default()
+            };
+            count = cursor.count(record, "elements")?;
+            for _ in 0..count {
+                layout.offsets.push(cursor.place());
+                layout.tags.push(cursor.size("the number of an element")?);
+                cursor.skip_sizes(shape.node_count(), "a node of an element")?;
+            }
+        }
+        layout.shapes.push(shape);
+        layout.blocks.push(Block {
+            dimension,
+            entity,
+            count,
+            type_number,
+        });
+    }
+    head.check(cursor, &layout.tags, "elements")?;
+    layout.body.end = cursor.at;
+    Ok(layout)
+}

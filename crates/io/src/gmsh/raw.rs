@@ -1,0 +1,160 @@
+//! The content of a file, of either version, before it becomes a mesh.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use powerhouse_model::{MeshError, Vec3};
+
+use super::error::{GmshFault, Located};
+use super::shape::Shape;
+
+/// Nodes in the order of the file.
+#[derive(Debug, Default)]
+pub(super) struct RawNodes {
+    pub(super) tags: Vec<u64>,
+    pub(super) positions: Vec<Vec3>,
+    /// Bytes at which each number and each position stand.
+    pub(super) offsets: Vec<NodeOffsets>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodeOffsets {
+    pub(super) tag: usize,
+    pub(super) position: usize,
+}
+
+/// One element of the file; its nodes stand in [`RawElements::nodes`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RawElement {
+    pub(super) tag: u64,
+    pub(super) shape: Shape,
+    /// Number of the geometric entity.
+    pub(super) entity: i32,
+    pub(super) groups: GroupList,
+    /// Index of the first node.
+    pub(super) first: usize,
+    pub(super) offset: usize,
+}
+
+/// Elements in the order of the file.
+#[derive(Debug, Default)]
+pub(super) struct RawElements {
+    pub(super) elements: Vec<RawElement>,
+    pub(super) nodes: Vec<u64>,
+}
+
+impl RawElements {
+    pub(super) fn nodes_of(&self, element: &RawElement) -> &[u64] {
+        &self.nodes[element.first..element.first + element.shape.node_count()]
+    }
+}
+
+/// Numbers of the physical groups that an element belongs to, in a [`GroupLists`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub(super) struct GroupList(u32);
+
+impl GroupList {
+    /// No group.
+    pub(super) const NONE: Self = Self(0);
+}
+
+/// Every combination of groups that occurs, once.
+#[derive(Debug)]
+pub(super) struct GroupLists {
+    lists: Vec<Vec<i32>>,
+    index: HashMap<Vec<i32>, GroupList>,
+}
+
+impl Default for GroupLists {
+    fn default() -> Self {
+        Self {
+            lists: vec![Vec::new()],
+            index: HashMap::from([(Vec::new(), GroupList::NONE)]),
+        }
+    }
+}
+
+impl GroupLists {
+    /// The list with these numbers, in any order; signs, which tell of orientations, are dropped.
+    pub(super) fn intern(&mut self, groups: impl IntoIterator<Item = i32>) -> GroupList {
+        let mut groups: Vec<i32> = groups.into_iter().map(i32::saturating_abs).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        if let Some(list) = self.index.get(&groups) {
+            return *list;
+        }
+        let list = GroupList(self.lists.len() as u32);
+        self.lists.push(groups.clone());
+        self.index.insert(groups, list);
+        list
+    }
+    pub(super) fn groups(&self, list: GroupList) -> &[i32] {
+        &self.lists[list.0 as usize]
+    }
+}
+
+/// Names of physical groups by dimension and number.
+pub(super) type GroupNames = BTreeMap<(usize, i32), String>;
+
+/// All that is read of a file.
+#[derive(Debug, Default)]
+pub(super) struct RawMesh {
+    pub(super) nodes: RawNodes,
+    pub(super) elements: RawElements,
+    pub(super) lists: GroupLists,
+    pub(super) names: GroupNames,
+    /// Elements that repeat another one for the sake of a second group.
+    pub(super) merged: usize,
+    /// Names of the sections that were passed over.
+    pub(super) skipped: Vec<String>,
+}
+
+impl RawMesh {
+    /// Checks numbers and positions: all that can be said without knowing what is kept.
+    pub(super) fn validate(&self) -> Result<(), Located> {
+        let known = self.validate_nodes()?;
+        let mut seen = HashSet::with_capacity(self.elements.elements.len());
+        for element in &self.elements.elements {
+            let fault = |fault: GmshFault| Located::new("$Elements", element.offset, fault);
+            if element.tag == 0 {
+                return Err(fault(GmshFault::Zero { what: "element" }));
+            }
+            if !seen.insert(element.tag) {
+                let element = element.tag;
+                return Err(fault(MeshError::DuplicateElement { element }.into()));
+            }
+            let nodes = self.elements.nodes_of(element);
+            for (local, &node) in nodes.iter().enumerate() {
+                let element = element.tag;
+                if !known.contains(&node) {
+                    return Err(fault(MeshError::DanglingNode { element, node }.into()));
+                }
+                if nodes[..local].contains(&node) {
+                    return Err(fault(MeshError::RepeatedNode { element, node }.into()));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_nodes(&self) -> Result<HashSet<u64>, Located> {
+        let nodes = &self.nodes;
+        let mut known = HashSet::with_capacity(nodes.tags.len());
+        for ((&node, position), at) in nodes.tags.iter().zip(&nodes.positions).zip(&nodes.offsets) {
+            if node == 0 {
+                let fault = GmshFault::Zero { what: "node" };
+                return Err(Located::new("$Nodes", at.tag, fault));
+            }
+            if !known.insert(node) {
+                let fault = MeshError::DuplicateNode { node };
+                return Err(Located::new("$Nodes", at.tag, fault));
+            }
+            for (axis, &value) in ['x', 'y', 'z'].into_iter().zip(position) {
+                if !value.is_finite() {
+                    let fault = MeshError::CoordinateNotFinite { node, axis, value };
+                    return Err(Located::new("$Nodes", at.position, fault));
+                }
+            }
+        }
+        Ok(known)
+    }
+}
