@@ -111,33 +111,102 @@ impl Constraint for TiedPairs {
 
 /// Gives the members of one group their common motion; returns the energy lost by it (J).
 fn join(members: &[u32], motion: &mut PredictedMotion) -> f64 {
-    let first = members[0] as usize;
-    let mut inverse_mass = motion.inverse_mass[first];
-    let mut velocity = motion.velocity[first];
-    let mut displacement = motion.displacement[first];
-    let mut together = true;
-    for &member in &members[1..] {
-        let member = member as usize;
-        let [own, other] = mean_weights(&inverse_mass, &motion.inverse_mass[member]);
-        velocity = own * velocity + other * motion.velocity[member];
-        displacement += other * (motion.displacement[member] - displacement);
-        inverse_mass = other * motion.inverse_mass[member];
-        together &= motion.displacement[member] == motion.displacement[first]
-            && motion.previous[member] == motion.previous[first];
-    }
-    let after =
-        |member: usize| velocity + (displacement - motion.displacement[member]) / motion.step;
-    let loss = if together {
-        0.0
+    let mut masses = members.iter().map(|&m| &motion.inverse_mass[m as usize]);
+    let (velocity, displacement) = if masses.all(is_diagonal) {
+        mean_motion::<Vec3>(members, motion)
     } else {
-        lost_energy(members, motion, after)
+        mean_motion::<Mat3>(members, motion)
     };
+    let after = |motion: &PredictedMotion, member: usize| {
+        velocity + (displacement - motion.displacement[member]) / motion.step
+    };
+    let first = members[0] as usize;
+    let together = members[1..].iter().map(|&m| m as usize).all(|member| {
+        motion.displacement[member] == motion.displacement[first]
+            && motion.previous[member] == motion.previous[first]
+    });
+    if together {
+        // No part of the group has moved against another, and none does now.
+        for &member in members {
+            motion.velocity[member as usize] = velocity;
+        }
+        return 0.0;
+    }
+    let loss = lost_energy(members, motion, |member| after(motion, member));
     for &member in members {
-        let member = member as usize;
-        motion.velocity[member] =
-            velocity + (displacement - motion.displacement[member]) / motion.step;
+        motion.velocity[member as usize] = after(motion, member as usize);
     }
     loss
+}
+
+/// Means of the predicted velocity and of the displacement, weighted by effective mass.
+fn mean_motion<B: InverseMass>(members: &[u32], motion: &PredictedMotion) -> (Vec3, Vec3) {
+    let first = members[0] as usize;
+    let mut inverse_mass = B::from_matrix(&motion.inverse_mass[first]);
+    let mut velocity = motion.velocity[first];
+    let mut displacement = motion.displacement[first];
+    for &member in &members[1..] {
+        let member = member as usize;
+        let added = B::from_matrix(&motion.inverse_mass[member]);
+        let [own, other] = inverse_mass.mean_weights(&added);
+        velocity = own.apply(&velocity) + other.apply(&motion.velocity[member]);
+        displacement += other.apply(&(motion.displacement[member] - displacement));
+        inverse_mass = other.times(&added);
+    }
+    (velocity, displacement)
+}
+
+/// An inverse effective mass, or a weight made of such: a matrix, or the diagonal of one.
+trait InverseMass: Sized {
+    fn from_matrix(matrix: &Mat3) -> Self;
+    fn apply(&self, vector: &Vec3) -> Vec3;
+    fn times(&self, other: &Self) -> Self;
+    /// The weights of the mean of two velocities by effective mass: with inverse masses `B1`,
+    /// `B2` and `W = B1 + B2` they are `B2 W^-1` and `B1 W^-1`. Where neither can move the first
+    /// rules.
+    fn mean_weights(&self, other: &Self) -> [Self; 2];
+}
+
+impl InverseMass for Vec3 {
+    #[inline(always)]
+    fn from_matrix(matrix: &Mat3) -> Self {
+        matrix.diagonal()
+    }
+    #[inline(always)]
+    fn apply(&self, vector: &Vec3) -> Vec3 {
+        self.component_mul(vector)
+    }
+    #[inline(always)]
+    fn times(&self, other: &Self) -> Self {
+        self.component_mul(other)
+    }
+    #[inline(always)]
+    fn mean_weights(&self, other: &Self) -> [Self; 2] {
+        let sum = self + other;
+        let share = |part: f64, whole: f64, held: f64| {
+            if whole > 0.0 { part / whole } else { held }
+        };
+        [
+            other.zip_map(&sum, |part, whole| share(part, whole, 1.0)),
+            self.zip_map(&sum, |part, whole| share(part, whole, 0.0)),
+        ]
+    }
+}
+
+impl InverseMass for Mat3 {
+    fn from_matrix(matrix: &Mat3) -> Self {
+        *matrix
+    }
+    fn apply(&self, vector: &Vec3) -> Vec3 {
+        self * vector
+    }
+    fn times(&self, other: &Self) -> Self {
+        self * other
+    }
+    fn mean_weights(&self, other: &Self) -> [Self; 2] {
+        let (inverse, held) = pseudo_inverse(&(self + other));
+        [other * inverse + held, self * inverse]
+    }
 }
 
 /// The work that the impulses `p_i = A_i (v_i+ - v_i*)` of a group take from the body,
@@ -160,24 +229,20 @@ fn lost_energy(members: &[u32], motion: &PredictedMotion, after: impl Fn(usize) 
     -work.sum::<f64>()
 }
 
-/// The weights of the mean of two velocities by effective mass: with inverse masses `B1`, `B2`
-/// and `W = B1 + B2` they are `B2 W^-1` and `B1 W^-1`. Where neither can move the first rules.
-fn mean_weights(first: &Mat3, second: &Mat3) -> [Mat3; 2] {
-    let sum = first + second;
-    let (inverse, held) = pseudo_inverse(&sum);
-    [second * inverse + held, first * inverse]
+fn is_diagonal(matrix: &Mat3) -> bool {
+    [(0, 1), (1, 2), (0, 2)]
+        .iter()
+        .all(|&place| matrix[place] == 0.0)
 }
 
 /// The inverse of a symmetric positive semi-definite matrix on its range, and the projector on
 /// the rest.
 fn pseudo_inverse(matrix: &Mat3) -> (Mat3, Mat3) {
-    let off_diagonal = [matrix[(0, 1)], matrix[(1, 2)], matrix[(0, 2)]];
-    if off_diagonal == [0.0; 3] {
-        let inverse = matrix
-            .diagonal()
-            .map(|x| if x > 0.0 { 1.0 / x } else { 0.0 });
-        let held = matrix.diagonal().map(|x| if x > 0.0 { 0.0 } else { 1.0 });
-        return (Mat3::from_diagonal(&inverse), Mat3::from_diagonal(&held));
+    // One factorisation where it can be had; only held directions need eigenvectors.
+    if let Some(inverse) = matrix.try_inverse()
+        && inverse.amax() * matrix.amax() < 1.0e8
+    {
+        return (inverse, Mat3::zeros());
     }
     let eigen = matrix.symmetric_eigen();
     let least = 1.0e-12 * eigen.eigenvalues.amax();
