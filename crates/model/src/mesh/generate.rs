@@ -1,6 +1,6 @@
 //! Structured meshes of boxes, and other shapes by moving their nodes.
 
-use super::{Axis, ElementKind, Mesh, MeshError};
+use super::{Axis, ElementKind, Facet, Mesh, MeshError};
 use crate::Vec3;
 
 /// The corners of one element, as corners of its cell.
@@ -175,9 +175,18 @@ fn box_of(
     mesh.node_tags = (1..=mesh.positions.len() as u64).collect();
     mesh.element_tags = (1..=mesh.kinds.len() as u64).collect();
     mesh.set_element_set(elements, (0..mesh.kinds.len() as u32).collect())?;
+    let surface = mesh.boundary_facets();
     for (name, axis, far) in FACES {
         let value = if far { high } else { low }[axis.index()];
-        mesh.set_facet_set(name, mesh.facets_on_plane(axis, value, 0.0))?;
+        let on_face = |facet: &&Facet| {
+            let nodes = mesh.facet_nodes(**facet);
+            let mut along = nodes
+                .iter()
+                .map(|&n| mesh.positions[n as usize][axis.index()]);
+            along.all(|coordinate| coordinate == value)
+        };
+        let facets = surface.iter().filter(on_face).copied().collect();
+        mesh.set_facet_set(name, facets)?;
     }
     Ok(mesh)
 }

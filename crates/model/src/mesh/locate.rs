@@ -184,18 +184,18 @@ fn closest(mesh: &Mesh, element: u32, point: &Vec3) -> Candidate {
         natural: centre,
         moved: f64::INFINITY,
     };
-    // From the centre first; from half-way to each corner where that fails, as it may in strongly
-    // distorted elements.
+    // From the centre first; from near each corner where that leads outside, as it may in
+    // strongly distorted elements.
     let corners = kind.natural_corners().iter();
-    let starts = corners.map(|&corner| 0.5 * (centre + Vec3::from(corner)));
+    let starts = corners.map(|&corner| centre + 0.8 * (Vec3::from(corner) - centre));
     for start in core::iter::once(centre).chain(starts) {
         let natural = map.solve(start);
         let range = kind.into_range(natural);
         let inside = (range - natural).amax() <= SLACK;
         let place = if inside { natural } else { range };
         let distance = map.residual(&place).norm();
-        let reached = map.residual(&natural).norm() <= 1e-12 * map.size;
-        let moved = if inside && reached { 0.0 } else { distance };
+        let reached = inside && distance <= 1e-12 * map.size;
+        let moved = if reached { 0.0 } else { distance };
         if moved < nearest.moved {
             nearest = Candidate {
                 element,
@@ -203,7 +203,8 @@ fn closest(mesh: &Mesh, element: u32, point: &Vec3) -> Candidate {
                 moved,
             };
         }
-        if reached {
+        // The map of a tetrahedron is affine, others may reach the point a second time outside.
+        if reached || kind == ElementKind::Tet4 {
             break;
         }
     }

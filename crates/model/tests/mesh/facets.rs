@@ -123,6 +123,18 @@ fn tributary_areas_add_up_to_the_area() {
         let tilt = edge.unwrap().normal.dot(&bisector);
         assert!((tilt - 1.0).abs() < 0.02, "{tilt}");
     }
+    // On a plane face of unequal quadrilaterals a node has as much surface as vector area.
+    let tapered = rough_block(Mesh::box_of_hexes, 0.2).map_positions(|p| {
+        let plane = if p.z < 0.5 { 0.0 } else { p.z };
+        Vec3::new(p.x, p.y, plane)
+    });
+    let tapered = tapered.unwrap();
+    for &facet in tapered.facet_set("bottom").unwrap() {
+        let geometry = tapered.facet_geometry(facet);
+        for (share, area) in geometry.shares.iter().zip(&geometry.areas) {
+            assert!((share.norm() - area).abs() < 1e-15);
+        }
+    }
     // A face seen from both sides has area, but no direction.
     let mesh =
         Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 1.0, 1.0), [2, 1, 1], "rock").unwrap();

@@ -1,6 +1,6 @@
 use powerhouse_model::{ElementKind, Mat3, Mesh, MeshError, Vec3};
 
-use crate::{GENERATORS, noise, noise3, rough_block};
+use crate::{GENERATORS, jacobian, noise, noise3, rough_block};
 
 /// Random natural coordinates inside an element of a kind.
 fn natural_inside(kind: ElementKind, seed: u64) -> Vec3 {
@@ -206,4 +206,50 @@ fn slender_and_squeezed_elements_are_searched() {
             }
         }
     }
+}
+
+/// Every inner point of single elements as contorted as positive Jacobians permit is found, also
+/// where the map reaches the point a second time outside the element.
+#[test]
+fn contorted_elements_are_searched() {
+    let mut searched = 0;
+    for kind in [ElementKind::Hex8, ElementKind::Wedge6] {
+        let tags: Vec<u64> = (0..kind.node_count() as u64).collect();
+        for seed in 0..10_000 {
+            let mut builder = Mesh::builder();
+            for (&tag, &corner) in tags.iter().zip(kind.natural_corners()) {
+                let shift = 0.9 * noise3(100 * seed + tag);
+                builder.node(tag, Vec3::from(corner) + shift);
+            }
+            builder.element(0, kind, &tags, &["rock"]);
+            let mesh = builder.build().unwrap();
+            if mesh.check().is_err() || least_jacobian(&mesh) < 0.02 {
+                continue;
+            }
+            for i in 0..20 {
+                let point = place(&mesh, 0, &natural_inside(kind, 20 * seed + i));
+                let found = &mesh.locate(&[point]).unwrap()[0];
+                assert_eq!(found.moved, 0.0, "{} {seed}", kind.name());
+                searched += 1;
+            }
+        }
+    }
+    assert!(searched > 50_000, "{searched}");
+}
+
+/// The least determinant on a grid of 7 x 7 x 7 points of element 0, its surface included.
+fn least_jacobian(mesh: &Mesh) -> f64 {
+    let at = |i: u32| f64::from(i) / 3.0 - 1.0;
+    let mut least = f64::INFINITY;
+    for (i, j, k) in (0..343).map(|n| (n % 7, n / 7 % 7, n / 49)) {
+        let natural = match mesh.kind(0) {
+            ElementKind::Wedge6 => {
+                let r = 0.5 + 0.5 * at(i);
+                Vec3::new(r, (0.5 + 0.5 * at(j)) * (1.0 - r), at(k))
+            }
+            _ => Vec3::new(at(i), at(j), at(k)),
+        };
+        least = least.min(jacobian(mesh, 0, &natural));
+    }
+    least
 }

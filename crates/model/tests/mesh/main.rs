@@ -39,19 +39,21 @@ fn rough_block(generator: Generator, amount: f64) -> Mesh {
         .unwrap()
 }
 
-/// The volume of an element (m3) by 2 x 2 x 2 Gauss points on the unit cube, collapsed to the
-/// element's range where that is no cube; exact for hexahedra, wedges and tetrahedra.
+/// The determinant of the isoparametric map's derivative.
+fn jacobian(mesh: &Mesh, element: u32, natural: &Vec3) -> f64 {
+    let mut gradients = [Vec3::zeros(); 8];
+    mesh.kind(element).shape_gradients(natural, &mut gradients);
+    let terms = mesh.nodes_of(element).iter().zip(gradients);
+    let derivative: powerhouse_model::Mat3 = terms
+        .map(|(&node, gradient)| mesh.positions()[node as usize] * gradient.transpose())
+        .sum();
+    derivative.determinant()
+}
+
+/// The volume of an element (m3) by Gauss points, exact for every kind.
 fn volume(mesh: &Mesh, element: u32) -> f64 {
     let kind = mesh.kind(element);
-    let jacobian = |natural: Vec3| {
-        let mut gradients = [Vec3::zeros(); 8];
-        kind.shape_gradients(&natural, &mut gradients);
-        let mut sum = powerhouse_model::Mat3::zeros();
-        for (&node, gradient) in mesh.nodes_of(element).iter().zip(gradients) {
-            sum += mesh.positions()[node as usize] * gradient.transpose();
-        }
-        sum.determinant()
-    };
+    let jacobian = |natural| jacobian(mesh, element, &natural);
     let g = 1.0 / 3.0_f64.sqrt();
     match kind {
         ElementKind::Tet4 => jacobian(Vec3::repeat(0.25)) / 6.0,
