@@ -1,1 +1,104 @@
-//! The motion of the site without the structure: time histories and plane waves in a half-space or full space.
+//! The motion of the site without the structure: time histories and plane waves in a half-space
+//! or full space.
+//!
+//! A [`Signal`] is the displacement that a wave carries: a test pulse ([`SmoothPulse`],
+//! [`ZeroMeanPulse`], [`Ricker`], [`HarmonicBurst`]) or a record ([`TimeHistory`], made into a
+//! [`RecordSignal`]). A [`PlaneWave`] carries it through a medium, under a free surface with its
+//! reflections, and is the [`IncidentField`](powerhouse_model::IncidentField) of a boundary;
+//! several add up in a [`Superposition`]. What a record *is* (the incident wave, an outcrop, the
+//! surface, the motion at a depth) is an [`InputConvention`].
+//!
+//! ```
+//! use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Vec3};
+//! use powerhouse_wavefield::{
+//!     Angle, PlaneWave, PlaneWaveParameters, Site, SmoothPulse, WaveKind, first_hit_corner,
+//! };
+//! use std::sync::Arc;
+//!
+//! // A cube of 1200 m under a free surface, struck by an SV wave at 15 degrees.
+//! let rock = ElasticMedium::new(10e9, 0.3, 3000.0)?;
+//! let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, rock, 1200.0);
+//! parameters.incidence = Angle::from_degrees(15.0);
+//! parameters.reference = first_hit_corner(
+//!     &Vec3::zeros(),
+//!     &Vec3::repeat(1200.0),
+//!     &parameters.direction(),
+//! );
+//! let wave = PlaneWave::new(parameters, Arc::new(SmoothPulse::new(1.0, 0.8)?))?;
+//!
+//! let sampler = wave.prepare(&[Vec3::new(600.0, 600.0, 1200.0)])?;
+//! let mut motion = [FieldMotion::default()];
+//! sampler.add_motion(1.160849 + 0.4, &mut motion);
+//! assert!((motion[0].displacement.x - 1.9207186).abs() < 1e-6);
+//! assert!((motion[0].displacement.z + 0.5369212).abs() < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Conventions
+//! SI units, z up, tension positive, free surface horizontal. Incidence is measured from the
+//! vertical, azimuth from +x towards +y. Spectra are those of `exp(+i w t)`. Time zero of a signal
+//! is its arrival at the reference point.
+//!
+//! # Why so
+//! *A record becomes a signal only if it comes to rest.* Its displacement enters the springs of a
+//! boundary, so a drift would pull the whole model along; [`TimeHistory::into_signal`] is the one
+//! gate, and what follows the record's end is defined behind it.
+//!
+//! *Piecewise-linear acceleration* is what a digitised record says, and the one assumption under
+//! which velocity, displacement, response spectrum and Fourier spectrum are all exact.
+//!
+//! *One horizontal slowness.* The delay of every wave is `(x - x0).s` with the same horizontal
+//! slowness, in any direction. Stress follows from velocity, `-(1/c) sym(d (x) p) v`, so that no
+//! derivative in space is taken. At the surface the delays of all waves are the same number, and
+//! the coefficients let the traction vanish to rounding.
+//!
+//! *Past the critical angle* the reflected waves are phase-shifted by an amount that no delay can
+//! express, and the P wave decays with depth, each frequency at its own rate. Both follow from one
+//! function, the signal's analytic continuation above the real axis of time: a phase shift is a
+//! complex factor, decay is an imaginary delay. It is tabulated over time and height, once for all
+//! points, and quintics through its values and derivatives are evaluated at complex arguments. All
+//! waves, the incident one too, read the same tables, so that the surface is free to rounding
+//! there as well.
+//!
+//! *A quiet start.* Such a field begins before its incident wave, and its forerunner falls only as
+//! a power of time. Cutting it off would leave a field that is no solution. Here it is multiplied
+//! by a function of time that is analytic down to the depth of the points: the product still
+//! satisfies the equation of motion and leaves the surface free, and what was taken away is
+//! reported ([`QuietStart`]).
+
+mod analytic;
+mod angle;
+mod body;
+mod convention;
+mod error;
+mod evanescent;
+mod fourier;
+mod hermite;
+mod history;
+mod partial;
+mod pulse;
+mod quiet;
+mod reflection;
+mod signal;
+mod spectrum;
+mod superposition;
+mod wave;
+mod within;
+
+pub use angle::Angle;
+pub use convention::{InputConvention, InputConversion, SurfaceComponent};
+pub use error::WaveError;
+pub use history::{
+    BaselineCorrection, BaselineReport, EndDisplacement, RecordReport, RecordSignal, TimeHistory,
+};
+pub use pulse::{HarmonicBurst, Ricker, RickerQuantity, SmoothPulse, ZeroMeanPulse};
+pub use quiet::{QuietStart, StartLevel};
+pub use reflection::{SurfaceReflection, WaveKind, critical_angle};
+pub use signal::{Signal, SignalMotion, Support};
+pub use spectrum::{OscillatorResponse, SpectralLine};
+pub use superposition::Superposition;
+pub use wave::{PlaneWave, PlaneWaveParameters, Site, first_hit_corner};
+pub use within::WithinReport;
+
+/// A complex number, for spectra of `exp(+i w t)`.
+pub type Complex = nalgebra::Complex<f64>;

@@ -1,0 +1,370 @@
+//! Analytic signals: what complex reflection coefficients and decay with depth make of a signal.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use crate::fourier::Fourier;
+use crate::hermite::Quintic;
+use crate::{Complex, Signal, WaveError};
+
+/// Tables per doubling of the height; see [`AnalyticSignal`].
+const ROWS_PER_OCTAVE: f64 = 8.0;
+/// From this many half lengths of the signal on, its moments give the field: with twelve of them
+/// to 2^-12 of the leading one.
+const FAR_RADII: f64 = 2.0;
+/// Terms of the far expansion.
+const MOMENTS: usize = 12;
+/// No transform is longer than this.
+const MOST_SAMPLES: usize = 1 << 22;
+
+/// Takes the forerunner of an acausal field away; see
+/// [`PlaneWave::with_quiet_start`](crate::PlaneWave::with_quiet_start).
+///
+/// The factor `1 / (1 + exp(-(z - centre) / width))` is analytic up to the height `pi width`, so
+/// the product of an analytic signal with it still gives waves that satisfy the equation of motion
+/// and leave the surface free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StartTaper {
+    /// Where half is left (s, on the signal's own axis).
+    pub(crate) centre: f64,
+    /// Within this time (s) the factor falls by e.
+    pub(crate) width: f64,
+}
+
+impl StartTaper {
+    /// The factor and its first two derivatives.
+    fn factor(&self, z: Complex) -> [Complex; 3] {
+        let exponent = (z - self.centre) / self.width;
+        let zero = Complex::new(0.0, 0.0);
+        if exponent.re < -300.0 {
+            return [zero; 3];
+        }
+        let one = Complex::new(1.0, 0.0);
+        let factor = one / (one + (-exponent).exp());
+        let first = factor * (one - factor) / self.width;
+        [factor, first, first * (one - factor * 2.0) / self.width]
+    }
+
+    /// Product rule for displacement, velocity and acceleration.
+    fn apply(&self, z: Complex, [d, v, a]: [Complex; 3]) -> [Complex; 3] {
+        let [w, w1, w2] = self.factor(z);
+        [d * w, v * w + d * w1, a * w + v * w1 * 2.0 + d * w2]
+    }
+}
+
+/// Where the values of one height are found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Level {
+    table: u32,
+    /// Height above the table's own, in its steps.
+    offset: f64,
+    /// The height itself (s).
+    height: f64,
+}
+
+/// Stands for no table: so far up that the far expansion serves at all times.
+const FAR: u32 = u32::MAX;
+
+/// Values along one height.
+struct Table {
+    start: f64,
+    per_step: f64,
+    intervals: Vec<Quintic<Complex>>,
+}
+
+/// The analytic signal `A(t + i h)` of a signal f, tabulated over time and height.
+///
+/// `A = f + i H f` on the real axis (H the Hilbert transform) has positive frequencies only, and
+/// `A(t + i h)` is it with each of them damped by `exp(-w h)`. So `Re[c A(t + i h)]` is the signal
+/// under a complex coefficient c (for `exp(+i w t)`, `w > 0`) at depth `h / kappa` of a wave that
+/// decays as `exp(-w kappa depth)`.
+///
+/// Tables hold A and two derivatives at uniform times, joined by quintics, which are evaluated at
+/// complex arguments: A is analytic above the real axis, so one table serves a band of heights. By
+/// Cauchy's bound the error of interpolation at heights from 8 steps up is below 1e-6 of the peak;
+/// below that the signal's own smoothness on its [`step`](crate::Support::step) decides, and the
+/// real part at height zero is as exact as quintics through its samples. Higher bands are smoother
+/// and take coarser steps. Away from the signal its moments give the far field.
+///
+/// The transform is periodic; what the images of the signal add is taken off by its moments,
+/// `cot x = 1/x - x/3 - x^3/45 - ...`.
+pub(crate) struct AnalyticSignal {
+    tables: Vec<Table>,
+    moments: [f64; MOMENTS],
+    centre: f64,
+    radius: f64,
+    taper: Option<StartTaper>,
+}
+
+impl AnalyticSignal {
+    /// Tables for the given heights (s), none negative, and the level of each.
+    pub(crate) fn new(
+        signal: &dyn Signal,
+        heights: &[f64],
+        taper: Option<StartTaper>,
+    ) -> Result<(Self, Vec<Level>), WaveError> {
+        let sampled = SampledSpectra::new(signal)?;
+        let mut this = Self {
+            tables: Vec::new(),
+            moments: sampled.moments,
+            centre: sampled.centre,
+            radius: sampled.radius,
+            taper,
+        };
+        let mut known = BTreeMap::new();
+        let mut levels = Vec::with_capacity(heights.len());
+        for &height in heights {
+            if height >= FAR_RADII * sampled.radius {
+                levels.push(Level {
+                    table: FAR,
+                    offset: 0.0,
+                    height,
+                });
+                continue;
+            }
+            let (coarsening, row) = band(height / sampled.step);
+            let step = sampled.step * (1u64 << coarsening) as f64;
+            let table = match known.get(&(coarsening, row)) {
+                Some(table) => *table,
+                None => {
+                    let table = this.table(&sampled, coarsening, row as f64 * step);
+                    this.tables.push(table);
+                    let index = (this.tables.len() - 1) as u32;
+                    known.insert((coarsening, row), index);
+                    index
+                }
+            };
+            levels.push(Level {
+                table,
+                offset: height / step - row as f64,
+                height,
+            });
+        }
+        Ok((this, levels))
+    }
+
+    /// Samples along one height, `2^coarsening` steps apart, joined by quintics.
+    fn table(&self, sampled: &SampledSpectra, coarsening: u32, height: f64) -> Table {
+        let step = sampled.step * (1u64 << coarsening) as f64;
+        let values = sampled.along(coarsening, height);
+        let period = values.len() as i64;
+        let reach = FAR_RADII * self.radius;
+        let before = ((reach - self.radius) / step).ceil() as i64 + 1;
+        let after = ((reach + self.radius) / step).ceil() as i64 + 1;
+        let images = Images::new(&self.moments, self.radius, sampled.period);
+        let node = |i: i64| {
+            let z = Complex::new(sampled.start + i as f64 * step, height);
+            let images = images.value(z - self.centre);
+            let periodic = values[i.rem_euclid(period) as usize];
+            let node = core::array::from_fn(|k| periodic[k] + images[k]);
+            match &self.taper {
+                Some(taper) => taper.apply(z, node),
+                None => node,
+            }
+        };
+        let mut intervals = Vec::with_capacity((before + after) as usize);
+        let mut from = node(-before);
+        for i in -before..after {
+            let to = node(i + 1);
+            intervals.push(Quintic::new(from, to, step));
+            from = to;
+        }
+        Table {
+            start: sampled.start - before as f64 * step,
+            per_step: 1.0 / step,
+            intervals,
+        }
+    }
+
+    /// Complex displacement and velocity at a time (s) on a level.
+    #[inline]
+    pub(crate) fn value(&self, time: f64, level: &Level) -> (Complex, Complex) {
+        if let Some(table) = self.tables.get(level.table as usize) {
+            let place = (time - table.start) * table.per_step;
+            if place >= 0.0 && place < table.intervals.len() as f64 {
+                let index = place as usize;
+                let local = place - index as f64;
+                let interval = &table.intervals[index];
+                let (displacement, velocity) = if level.offset == 0.0 {
+                    interval.real_value(local)
+                } else {
+                    interval.value(Complex::new(local, level.offset))
+                };
+                return (displacement, velocity * table.per_step);
+            }
+        }
+        self.far(Complex::new(time, level.height))
+    }
+
+    /// `A = (i / pi) sum_n M_n / (z - centre)^(n + 1)`.
+    fn far(&self, z: Complex) -> (Complex, Complex) {
+        let inverse = Complex::new(self.radius, 0.0) / (z - self.centre);
+        let zero = Complex::new(0.0, 0.0);
+        let (mut displacement, mut velocity) = (zero, zero);
+        let mut power = inverse;
+        for (n, moment) in self.moments.iter().enumerate() {
+            displacement += power * *moment;
+            power *= inverse;
+            velocity -= power * (*moment * (n + 1) as f64);
+        }
+        let scale = Complex::new(0.0, 1.0 / (PI * self.radius));
+        displacement *= scale;
+        velocity *= scale / self.radius;
+        match &self.taper {
+            Some(taper) => {
+                let [d, v, _] = taper.apply(z, [displacement, velocity, zero]);
+                (d, v)
+            }
+            None => (displacement, velocity),
+        }
+    }
+}
+
+/// How often the step is doubled at a height given in steps, and the nearest row at that step.
+fn band(height: f64) -> (u32, u64) {
+    let mut coarsening = 0;
+    let mut rows = height;
+    while rows >= 2.0 * ROWS_PER_OCTAVE {
+        rows *= 0.5;
+        coarsening += 1;
+    }
+    (coarsening, rows.round() as u64)
+}
+
+/// What to add to the periodic transform so that it becomes that of the signal alone:
+/// `(i / P) int f(s) [1/x - cot x] ds`, `x = pi (z - s) / P`: a polynomial of z.
+struct Images {
+    /// Coefficients of the powers of `pi z / P`.
+    coefficients: [f64; 8],
+    rate: f64,
+    period: f64,
+}
+
+impl Images {
+    fn new(moments: &[f64; MOMENTS], radius: f64, period: f64) -> Self {
+        /// Taylor coefficients of `1/x - cot x`.
+        const COTANGENT: [(usize, f64); 4] = [
+            (1, 1.0 / 3.0),
+            (3, 1.0 / 45.0),
+            (5, 2.0 / 945.0),
+            (7, 1.0 / 4725.0),
+        ];
+        let rate = PI / period;
+        let mut coefficients = [0.0; 8];
+        for (power, coefficient) in COTANGENT {
+            // (z - s)^n by the binomial theorem.
+            let mut factor = coefficient;
+            for (k, moment) in moments.iter().enumerate().take(power + 1) {
+                coefficients[power - k] += factor * moment;
+                factor *= -(radius * rate) * (power - k) as f64 / (k + 1) as f64;
+            }
+        }
+        Self {
+            coefficients,
+            rate,
+            period,
+        }
+    }
+
+    /// Displacement, velocity and acceleration at a time from the centre.
+    fn value(&self, z: Complex) -> [Complex; 3] {
+        let x = z * self.rate;
+        let zero = Complex::new(0.0, 0.0);
+        let (mut value, mut first, mut half_second) = (zero, zero, zero);
+        for coefficient in self.coefficients.iter().rev() {
+            half_second = half_second * x + first;
+            first = first * x + value;
+            value = value * x + coefficient;
+        }
+        let scale = Complex::new(0.0, 1.0 / self.period);
+        [
+            value * scale,
+            first * scale * self.rate,
+            half_second * scale * (2.0 * self.rate * self.rate),
+        ]
+    }
+}
+
+/// Spectra of displacement, velocity and acceleration, each from its own samples: at height zero
+/// the real parts of the tables then pass through the samples.
+struct SampledSpectra {
+    spectra: [Vec<Complex>; 3],
+    start: f64,
+    step: f64,
+    period: f64,
+    centre: f64,
+    radius: f64,
+    /// `int f ((s - centre) / radius)^n ds`.
+    moments: [f64; MOMENTS],
+    length: usize,
+}
+
+impl SampledSpectra {
+    fn new(signal: &dyn Signal) -> Result<Self, WaveError> {
+        let support = signal.support();
+        let wanted = 8.0 * (support.end - support.start) / support.step;
+        if !(wanted <= MOST_SAMPLES as f64) {
+            return Err(WaveError::TooManySamples {
+                operation: "the transform of a signal",
+                wanted,
+                most: MOST_SAMPLES,
+            });
+        }
+        let count = (wanted / 8.0).ceil().max(1.0) as usize;
+        let mut fourier = Fourier::new(8 * count);
+        let radius = 0.5 * count as f64 * support.step;
+        let centre = support.start + radius;
+        let mut samples = [(); 3].map(|()| Vec::with_capacity(count + 1));
+        let mut moments = [0.0; MOMENTS];
+        for i in 0..=count {
+            let time = support.start + i as f64 * support.step;
+            let motion = signal.motion(time);
+            samples[0].push(motion.displacement);
+            samples[1].push(motion.velocity);
+            samples[2].push(motion.acceleration);
+            let mut term = motion.displacement * support.step;
+            for moment in &mut moments {
+                *moment += term;
+                term *= (time - centre) / radius;
+            }
+        }
+        Ok(Self {
+            spectra: samples.map(|samples| fourier.forward(&samples)),
+            start: support.start,
+            step: support.step,
+            period: fourier.len() as f64 * support.step,
+            centre,
+            radius,
+            moments,
+            length: fourier.len(),
+        })
+    }
+
+    /// Displacement, velocity and acceleration of the periodic analytic signal at a height,
+    /// `2^coarsening` steps apart.
+    fn along(&self, coarsening: u32, height: f64) -> Vec<[Complex; 3]> {
+        let length = (self.length >> coarsening).max(4);
+        let mut fourier = Fourier::new(length);
+        let scale = length as f64 / self.length as f64;
+        let rate = 2.0 * PI / self.period * height;
+        let mut values = vec![[Complex::new(0.0, 0.0); 3]; length];
+        for (quantity, spectrum) in self.spectra.iter().enumerate() {
+            let damped = spectrum[..=length / 2].iter().enumerate();
+            let mut damped: Vec<Complex> = damped
+                .map(|(i, value)| value * (scale * (-rate * i as f64).exp()))
+                .collect();
+            for (value, real) in values.iter_mut().zip(fourier.inverse(&damped)) {
+                value[quantity].re = real;
+            }
+            // The Hilbert transform turns by -90 degrees; the mean has none.
+            for value in &mut damped {
+                *value *= Complex::new(0.0, -1.0);
+            }
+            damped[0] = Complex::new(0.0, 0.0);
+            for (value, imaginary) in values.iter_mut().zip(fourier.inverse(&damped)) {
+                value[quantity].im = imaginary;
+            }
+        }
+        values
+    }
+}

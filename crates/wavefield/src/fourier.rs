@@ -1,0 +1,63 @@
+//! Discrete Fourier transforms of real samples, in powers of two.
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use std::sync::Arc;
+
+use crate::Complex;
+
+/// Transforms of one length: spectra of `exp(+i w t)`, from zero to the highest frequency.
+pub(crate) struct Fourier {
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+impl Fourier {
+    /// A transform of at least `least` samples: the next power of two.
+    pub(crate) fn new(least: usize) -> Self {
+        let length = least.max(4).next_power_of_two();
+        let mut planner = RealFftPlanner::new();
+        Self {
+            forward: planner.plan_fft_forward(length),
+            inverse: planner.plan_fft_inverse(length),
+        }
+    }
+
+    /// Number of samples.
+    pub(crate) fn len(&self) -> usize {
+        self.forward.len()
+    }
+
+    /// `sum_k x_k exp(-2 pi i j k / n)` for j from 0 to n/2; missing samples are zero.
+    pub(crate) fn forward(&mut self, samples: &[f64]) -> Vec<Complex> {
+        let mut input = self.forward.make_input_vec();
+        let mut output = self.forward.make_output_vec();
+        let given = samples.len().min(input.len());
+        input[..given].copy_from_slice(&samples[..given]);
+        transformed(self.forward.process(&mut input, &mut output));
+        output
+    }
+
+    /// The samples of which this is the spectrum, scaled so that it undoes
+    /// [`forward`](Self::forward).
+    pub(crate) fn inverse(&mut self, spectrum: &[Complex]) -> Vec<f64> {
+        let mut input = self.inverse.make_input_vec();
+        let mut output = self.inverse.make_output_vec();
+        let given = spectrum.len().min(input.len());
+        input[..given].copy_from_slice(&spectrum[..given]);
+        // Real samples have real values at both ends of the spectrum.
+        let last = input.len() - 1;
+        input[0].im = 0.0;
+        input[last].im = 0.0;
+        transformed(self.inverse.process(&mut input, &mut output));
+        let scale = 1.0 / output.len() as f64;
+        for value in &mut output {
+            *value *= scale;
+        }
+        output
+    }
+}
+
+/// A transform fails only when the lengths of its arrays are wrong, and the plan made them.
+fn transformed(result: Result<(), realfft::FftError>) {
+    debug_assert!(result.is_ok(), "{result:?}");
+}

@@ -1,0 +1,114 @@
+//! Cutting, scaling, resampling and padding.
+
+use powerhouse_model::ParameterError;
+
+use super::TimeHistory;
+use crate::WaveError;
+
+/// No operation makes a history longer than this.
+pub(crate) const MOST_SAMPLES: usize = 1 << 24;
+
+impl TimeHistory {
+    /// The first `duration` seconds, to the nearest sample. Over the last `taper` seconds of what
+    /// is left the acceleration falls to zero with half a cosine; zero means a plain cut.
+    ///
+    /// # Errors
+    /// If the duration is not between one step and the record's own, or the taper longer than
+    /// the duration.
+    pub fn first(&self, duration: f64, taper: f64) -> Result<Self, WaveError> {
+        ParameterError::check(
+            "duration",
+            duration,
+            self.step,
+            self.duration() + 0.5 * self.step,
+        )?;
+        ParameterError::check("taper", taper, 0.0, duration)?;
+        let intervals = ((duration / self.step).round() as usize).min(self.samples() - 1);
+        let end = intervals as f64 * self.step;
+        let samples = self.nodes[..=intervals].iter().enumerate();
+        let samples = samples.map(|(i, node)| {
+            let left = end - i as f64 * self.step;
+            if left >= taper {
+                node.acceleration
+            } else {
+                node.acceleration * 0.5 * (1.0 - (std::f64::consts::PI * left / taper).cos())
+            }
+        });
+        Self::new(self.step, samples.collect())
+    }
+
+    /// Every sample times a factor.
+    ///
+    /// # Errors
+    /// If the factor is not finite, or a sample leaves the permitted range.
+    pub fn scaled(&self, factor: f64) -> Result<Self, WaveError> {
+        ParameterError::check("factor", factor, -1e12, 1e12)?;
+        let samples = self.nodes.iter().map(|node| factor * node.acceleration);
+        Self::new(self.step, samples.collect())
+    }
+
+    /// Scaled so that the largest magnitude of acceleration is `peak` (m/s2).
+    ///
+    /// # Errors
+    /// [`WaveError::ZeroPeak`] if the history is zero throughout.
+    pub fn scaled_to_peak(&self, peak: f64) -> Result<Self, WaveError> {
+        ParameterError::check("peak", peak, 0.0, 1e12)?;
+        let present = self.nodes.iter().map(|node| node.acceleration.abs());
+        let present = present.fold(0.0, f64::max);
+        if present == 0.0 {
+            return Err(WaveError::ZeroPeak);
+        }
+        self.scaled(peak / present)
+    }
+
+    /// The same piecewise-linear acceleration, read at a finer step (s).
+    ///
+    /// The motion is unchanged if the old step is a multiple of the new one; otherwise the corners
+    /// at the old samples are cut. A coarser step would lose content and is refused.
+    ///
+    /// # Errors
+    /// If the step is above the present one, or so small that there are too many samples.
+    pub fn resampled(&self, step: f64) -> Result<Self, WaveError> {
+        ParameterError::check("step", step, 1e-9, self.step * (1.0 + 1e-12))?;
+        let intervals = self.duration() / step;
+        if intervals >= MOST_SAMPLES as f64 {
+            return Err(WaveError::TooManySamples {
+                operation: "resampling",
+                wanted: intervals,
+                most: MOST_SAMPLES,
+            });
+        }
+        let intervals = (intervals * (1.0 - 1e-12)).ceil() as usize;
+        let duration = self.duration();
+        let samples = (0..=intervals).map(|i| {
+            // The last sample may fall past the end by less than a step: it repeats the end.
+            let time = (i as f64 * step).min(duration);
+            self.motion(time).acceleration
+        });
+        Self::new(step, samples.collect())
+    }
+
+    /// Zero acceleration added before and after (s, to the nearest sample). The record's time zero
+    /// moves back by what is added before it.
+    ///
+    /// # Errors
+    /// If a length is negative or there are too many samples.
+    pub fn padded(&self, before: f64, after: f64) -> Result<Self, WaveError> {
+        let most = MOST_SAMPLES as f64 * self.step;
+        ParameterError::check("before", before, 0.0, most)?;
+        ParameterError::check("after", after, 0.0, most)?;
+        let count = |length: f64| (length / self.step).round() as usize;
+        let total = self.samples() + count(before) + count(after);
+        if total > MOST_SAMPLES {
+            return Err(WaveError::TooManySamples {
+                operation: "padding",
+                wanted: total as f64,
+                most: MOST_SAMPLES,
+            });
+        }
+        let mut samples = vec![0.0; count(before)];
+        samples.extend(self.nodes.iter().map(|node| node.acceleration));
+        samples.resize(total, 0.0);
+        Self::new(self.step, samples)
+    }
+}

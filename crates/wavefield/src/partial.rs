@@ -1,0 +1,114 @@
+//! One of the up to three plane waves of a field.
+
+use powerhouse_model::{ElasticMedium, Vec3};
+
+use crate::{Complex, SurfaceReflection};
+
+/// A plane wave `u = Re[P A(t - delay(x))]`, `delay(x) = base + s.(x - datum)`, with `A` the
+/// signal, made analytic where `P` or the slowness `s` are complex.
+///
+/// Its stress is `Re[S A'(t - delay)]`, `S = C : (-sym(s (x) P))`.
+#[derive(Clone, Debug)]
+pub(crate) struct PartialWave {
+    /// Displacement for unit signal.
+    pub(crate) polarisation: [Complex; 3],
+    /// Stress (Pa) for unit velocity of the signal.
+    pub(crate) stress: [Complex; 6],
+    slowness: [Complex; 3],
+    datum: Vec3,
+    base: f64,
+}
+
+impl PartialWave {
+    /// A wave of a displacement vector and a slowness vector (s/m) that passes `datum` at `base`.
+    pub(crate) fn new(
+        polarisation: [Complex; 3],
+        slowness: [Complex; 3],
+        medium: &ElasticMedium,
+        datum: Vec3,
+        base: f64,
+    ) -> Self {
+        let (lambda, shear) = (medium.lambda(), medium.shear());
+        let product = |i: usize, j: usize| -(slowness[i] * polarisation[j]);
+        let volumetric = (product(0, 0) + product(1, 1) + product(2, 2)) * lambda;
+        let direct = |i: usize| volumetric + product(i, i) * (2.0 * shear);
+        let sheared = |i: usize, j: usize| (product(i, j) + product(j, i)) * shear;
+        Self {
+            polarisation,
+            stress: [
+                direct(0),
+                direct(1),
+                direct(2),
+                sheared(0, 1),
+                sheared(1, 2),
+                sheared(2, 0),
+            ],
+            slowness,
+            datum,
+            base,
+        }
+    }
+
+    /// Whether the wave is a real multiple of the signal, delayed by a real time.
+    pub(crate) fn is_real(&self) -> bool {
+        let mut numbers = self.polarisation.iter().chain(&self.slowness);
+        numbers.all(|value| value.im == 0.0)
+    }
+
+    /// Lets the wave come later by a time (s).
+    pub(crate) fn delay_by(&mut self, time: f64) {
+        self.base += time;
+    }
+
+    /// The time after which the signal reaches a point (s); its imaginary part, never above zero
+    /// below the surface, is the decay of one radian per second.
+    pub(crate) fn delay(&self, point: &Vec3) -> Complex {
+        let offset = point - self.datum;
+        let horizontal = self.slowness[0] * offset.x + self.slowness[1] * offset.y;
+        // The vertical part first: at the surface it is the same number for all waves.
+        (self.slowness[2] * offset.z + self.base) + horizontal
+    }
+}
+
+/// The incident wave and its reflections, for an amplitude that converts the signal into the
+/// incident wave, turned by the azimuth's cosine and sine.
+pub(crate) fn half_space_waves(
+    reflection: &SurfaceReflection,
+    amplitude: Complex,
+    (cosine, sine): (f64, f64),
+    medium: &ElasticMedium,
+    (reference, arrival, surface): (Vec3, f64, f64),
+) -> Vec<PartialWave> {
+    let rise = reflection.vertical_slowness;
+    let at_surface = Vec3::new(reference.x, reference.y, surface);
+    let surface_time = Complex::new(rise, 0.0) * (surface - reference.z) + arrival;
+    let downward = [Complex::new(-rise, 0.0), -reflection.converted_slowness];
+    let [incident, same, converted] = reflection.polarisations();
+    let turned = |vector: [Complex; 3]| turned(vector.map(|v| v * amplitude), cosine, sine);
+    let slowness = |vertical: Complex| {
+        let p = Complex::new(reflection.horizontal_slowness, 0.0);
+        [p * cosine, p * sine, vertical]
+    };
+    let wave = |polarisation, vertical, datum, base| {
+        PartialWave::new(
+            turned(polarisation),
+            slowness(vertical),
+            medium,
+            datum,
+            base,
+        )
+    };
+    let mut waves = vec![
+        wave(incident, Complex::new(rise, 0.0), reference, arrival),
+        wave(same, downward[0], at_surface, surface_time.re),
+    ];
+    if reflection.converted != Complex::new(0.0, 0.0) {
+        waves.push(wave(converted, downward[1], at_surface, surface_time.re));
+    }
+    waves
+}
+
+/// Turns a vector about the vertical.
+pub(crate) fn turned([x, y, z]: [Complex; 3], cosine: f64, sine: f64) -> [Complex; 3] {
+    [x * cosine - y * sine, x * sine + y * cosine, z]
+}

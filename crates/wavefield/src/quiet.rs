@@ -1,0 +1,213 @@
+//! How quietly a field starts.
+
+use powerhouse_model::{FieldMotion, IncidentField, ModelError, ParameterError, Vec3};
+use std::f64::consts::FRAC_2_PI;
+
+use crate::analytic::StartTaper;
+use crate::{PlaneWave, WaveError};
+
+/// The field at one time, over its peak at the same points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StartLevel {
+    /// Largest displacement over largest displacement.
+    pub displacement: f64,
+    /// Largest velocity over largest velocity.
+    pub velocity: f64,
+}
+
+impl StartLevel {
+    /// The larger of the two.
+    pub fn largest(&self) -> f64 {
+        self.displacement.max(self.velocity)
+    }
+}
+
+/// What it took to let a field start at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuietStart {
+    /// By how much the wave now arrives later (s).
+    pub padding: f64,
+    /// The field at the start over its peak.
+    pub level: StartLevel,
+    /// The largest displacement that the taper took away from the field as it was, over its peak;
+    /// zero without a taper.
+    pub removed: f64,
+    /// Within this time (s) the taper falls by a factor e; zero without a taper.
+    pub taper: f64,
+}
+
+impl PlaneWave {
+    /// The field at a time (s) over its peak, both taken over the given points.
+    ///
+    /// Below the critical angle and before the first arrival it is zero; past it the forerunner of
+    /// the reflected waves is already there.
+    ///
+    /// # Errors
+    /// As [`prepare`](IncidentField::prepare).
+    pub fn start_level(&self, points: &[Vec3], time: f64) -> Result<StartLevel, ModelError> {
+        let envelope = Envelope::new(self, points)?;
+        Ok(envelope.level(time))
+    }
+
+    /// The wave, delayed and tapered so that at `start` (s) displacement and velocity at all the
+    /// points are below `threshold` of their peaks, with the least delay that does it.
+    ///
+    /// Past the critical angle the analytic signal is multiplied by `1 / (1 + exp(-(z - c) / w))`:
+    /// the surface stays free and the equation of motion satisfied at all depths of the points.
+    /// `w` is ten of the signal's own steps or more, as much as the depth demands; `c` lies before
+    /// the signal's start by so much that the signal itself changes by less than `threshold`.
+    ///
+    /// # Errors
+    /// [`WaveError::NotQuiet`] if `most_padding` (s) does not suffice; parameter errors for a
+    /// threshold outside (1e-12, 0.5); as [`prepare`](IncidentField::prepare).
+    pub fn with_quiet_start(
+        &self,
+        points: &[Vec3],
+        start: f64,
+        threshold: f64,
+        most_padding: f64,
+    ) -> Result<(Self, QuietStart), ModelError> {
+        ParameterError::check("threshold", threshold, 1e-12, 0.5)?;
+        ParameterError::check("start", start, -1e9, 1e9)?;
+        ParameterError::check("most_padding", most_padding, 0.0, 1e9)?;
+        let taper = (!self.is_causal()).then(|| self.start_taper(points, threshold));
+        let tapered = self.delayed(0.0, taper);
+        let envelope = Envelope::new(&tapered, points)?;
+        let padding = envelope.padding(start, threshold, most_padding)?;
+        let level = envelope.level(start - padding);
+        let removed = match taper {
+            Some(_) => Envelope::new(self, points)?.difference(&envelope, start - padding),
+            None => 0.0,
+        };
+        let report = QuietStart {
+            padding,
+            level,
+            removed,
+            taper: taper.map_or(0.0, |taper| taper.width),
+        };
+        Ok((self.delayed(padding, taper), report))
+    }
+
+    fn start_taper(&self, points: &[Vec3], threshold: f64) -> StartTaper {
+        let support = self.signal.support();
+        let waves = self.partial_waves().iter();
+        let heights = waves.flat_map(|wave| points.iter().map(|point| -wave.delay(point).im));
+        let height = heights.fold(0.0, f64::max);
+        let width = (FRAC_2_PI * height).max(10.0 * support.step);
+        StartTaper {
+            // The factor's lack at the signal's start is exp(-(start - centre) / width).
+            centre: support.start + width * threshold.ln(),
+            width,
+        }
+    }
+}
+
+/// A field at its points, and its peaks.
+struct Envelope {
+    sampler: Box<dyn powerhouse_model::FieldSampler>,
+    /// Between these times (s) the signal passes the points.
+    window: [f64; 2],
+    step: f64,
+    peak: [f64; 2],
+}
+
+impl Envelope {
+    fn new(wave: &PlaneWave, points: &[Vec3]) -> Result<Self, ModelError> {
+        const MOST_INSTANTS: f64 = 4000.0;
+        let sampler = wave.prepare(points)?;
+        let support = wave.signal.support();
+        let waves = wave.partial_waves().iter();
+        let delays = waves.flat_map(|wave| points.iter().map(|point| wave.delay(point).re));
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+        for delay in delays {
+            first = first.min(delay);
+            last = last.max(delay);
+        }
+        if first > last {
+            (first, last) = (0.0, 0.0);
+        }
+        let window = [support.start + first, support.end + last];
+        let step = (4.0 * support.step).max((window[1] - window[0]) / MOST_INSTANTS);
+        let mut envelope = Self {
+            sampler,
+            window,
+            step,
+            peak: [0.0; 2],
+        };
+        for time in envelope.instants(window[0]) {
+            let largest = envelope.largest(time);
+            envelope.peak = core::array::from_fn(|i| envelope.peak[i].max(largest[i]));
+        }
+        Ok(envelope)
+    }
+
+    fn instants(&self, from: f64) -> impl Iterator<Item = f64> + use<> {
+        let (step, count) = (self.step, (self.window[1] - from) / self.step);
+        (0..=count.max(0.0).ceil() as usize).map(move |i| from + step * i as f64)
+    }
+
+    fn motion(&self, time: f64) -> Vec<FieldMotion> {
+        let mut motion = vec![FieldMotion::default(); self.sampler.len()];
+        self.sampler.add_motion(time, &mut motion);
+        motion
+    }
+
+    /// Largest displacement and velocity at a time.
+    fn largest(&self, time: f64) -> [f64; 2] {
+        let mut largest = [0.0f64; 2];
+        for motion in self.motion(time) {
+            largest[0] = largest[0].max(motion.displacement.norm());
+            largest[1] = largest[1].max(motion.velocity.norm());
+        }
+        largest
+    }
+
+    fn level(&self, time: f64) -> StartLevel {
+        let [displacement, velocity] = self.largest(time);
+        let over = |value: f64, peak: f64| if value == 0.0 { 0.0 } else { value / peak };
+        StartLevel {
+            displacement: over(displacement, self.peak[0]),
+            velocity: over(velocity, self.peak[1]),
+        }
+    }
+
+    /// The least padding from which on all larger ones are quiet too.
+    fn padding(&self, start: f64, threshold: f64, most: f64) -> Result<f64, WaveError> {
+        // No later start than the window's end can matter.
+        let least = (start - self.window[1]).max(0.0);
+        let steps = ((most - least) / self.step).max(0.0).floor() as usize;
+        let mut quiet = None;
+        // Past the far end of the taper nothing is left; three windows back is farther than any.
+        let farthest = (start - self.window[0]).max(0.0) + 3.0 * (self.window[1] - self.window[0]);
+        let enough = ((farthest - least) / self.step).max(0.0).ceil() as usize;
+        for i in (0..=steps.min(enough)).rev() {
+            let padding = least + self.step * i as f64;
+            if self.level(start - padding).largest() >= threshold {
+                break;
+            }
+            quiet = Some(padding);
+        }
+        // A start before any motion needs no padding, whatever the grid.
+        quiet.ok_or_else(|| WaveError::NotQuiet {
+            padding: most,
+            level: self.level(start - most).largest(),
+            threshold,
+        })
+    }
+
+    /// Largest difference in displacement from another field at the same points from a time on,
+    /// over the peak.
+    fn difference(&self, other: &Self, from: f64) -> f64 {
+        let mut largest = 0.0f64;
+        for time in self.instants(from) {
+            for (a, b) in self.motion(time).iter().zip(other.motion(time)) {
+                largest = largest.max((a.displacement - b.displacement).norm());
+            }
+        }
+        if largest == 0.0 {
+            0.0
+        } else {
+            largest / self.peak[0]
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Several waves at once.
+
+use powerhouse_model::{ElasticMedium, FieldMotion, FieldSampler, IncidentField, ModelError, Vec3};
+
+use crate::WaveError;
+
+/// The sum of several fields in one medium, such as a horizontal and a vertical record, each with
+/// its angle and arrival.
+pub struct Superposition {
+    fields: Vec<Box<dyn IncidentField>>,
+    name: String,
+}
+
+impl Superposition {
+    /// The sum of the given fields.
+    ///
+    /// # Errors
+    /// If there are none, or they live in different media.
+    pub fn new(fields: Vec<Box<dyn IncidentField>>) -> Result<Self, WaveError> {
+        let first = fields.first().ok_or(WaveError::NoFields)?.medium();
+        if let Some(index) = fields.iter().position(|field| field.medium() != first) {
+            return Err(WaveError::MediaDiffer { index });
+        }
+        let names: Vec<&str> = fields.iter().map(|field| field.name()).collect();
+        Ok(Self {
+            name: names.join(" + "),
+            fields,
+        })
+    }
+}
+
+impl IncidentField for Superposition {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn medium(&self) -> ElasticMedium {
+        self.fields[0].medium()
+    }
+
+    /// The sum of the incident parts, if every field knows its own.
+    fn incident_part(&self) -> Option<Box<dyn IncidentField>> {
+        let parts = self.fields.iter().map(|field| field.incident_part());
+        let sum = Self {
+            fields: parts.collect::<Option<Vec<_>>>()?,
+            name: format!("incident part of {}", self.name),
+        };
+        Some(Box::new(sum))
+    }
+
+    fn prepare(&self, points: &[Vec3]) -> Result<Box<dyn FieldSampler>, ModelError> {
+        let samplers = self.fields.iter().map(|field| field.prepare(points));
+        Ok(Box::new(SumSampler {
+            samplers: samplers.collect::<Result<_, _>>()?,
+            points: points.len(),
+        }))
+    }
+}
+
+struct SumSampler {
+    samplers: Vec<Box<dyn FieldSampler>>,
+    points: usize,
+}
+
+impl FieldSampler for SumSampler {
+    fn len(&self) -> usize {
+        self.points
+    }
+
+    fn add_motion(&self, time: f64, motion: &mut [FieldMotion]) {
+        for sampler in &self.samplers {
+            sampler.add_motion(time, motion);
+        }
+    }
+}

@@ -1,0 +1,317 @@
+//! Plane waves in a half-space or a full space.
+
+use powerhouse_model::{
+    ElasticMedium, FieldSampler, IncidentField, ModelError, ParameterError, Vec3,
+};
+use std::sync::Arc;
+
+use crate::analytic::StartTaper;
+use crate::body::BodySampler;
+use crate::evanescent::AnalyticSampler;
+use crate::partial::{PartialWave, half_space_waves, turned};
+use crate::signal::check_return;
+use crate::within::incident_of_within;
+use crate::{
+    Angle, Complex, InputConvention, InputConversion, Signal, SurfaceReflection, WaveError,
+    WaveKind,
+};
+
+/// What the wave travels in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Site {
+    /// A homogeneous half-space under a horizontal free surface.
+    HalfSpace {
+        /// Height z of the surface (m).
+        surface: f64,
+    },
+    /// A homogeneous full space: the incident wave alone, in any direction. A model whose top is
+    /// free then needs the field and an absorbing boundary on its top too, since the stress of the
+    /// wave does not vanish there.
+    FullSpace,
+}
+
+/// Everything about a plane wave but its time function.
+///
+/// The direction of travel is `(sin a cos f, sin a sin f, cos a)`, `a` the incidence and `f` the
+/// azimuth. For unit signal P moves by `(sin a, 0, cos a)`, SV by `(cos a, 0, -sin a)`, SH by
+/// `(0, 1, 0)`, each turned by the azimuth about the vertical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneWaveParameters {
+    /// The incident wave.
+    pub kind: WaveKind,
+    /// Angle of travel from the vertical, 0 straight up. Under a free surface at most 89 degrees
+    /// for P, 89.9 for SV and 90 for SH; in a full space up to 180.
+    pub incidence: Angle,
+    /// Horizontal direction of travel, from +x towards +y.
+    pub azimuth: Angle,
+    /// The medium.
+    pub medium: ElasticMedium,
+    /// Half-space or full space.
+    pub site: Site,
+    /// The point where the incident wave is the signal (m); see [`first_hit_corner`].
+    pub reference: Vec3,
+    /// When the signal's time zero passes the reference point (s).
+    pub arrival: f64,
+    /// What the signal is.
+    pub convention: InputConvention,
+}
+
+impl PlaneWaveParameters {
+    /// A wave that travels straight up, incident as it is given, arriving at the origin at time
+    /// zero under a free surface at the given height. Change the fields that differ.
+    pub fn vertical(kind: WaveKind, medium: ElasticMedium, surface: f64) -> Self {
+        Self {
+            kind,
+            incidence: Angle::ZERO,
+            azimuth: Angle::ZERO,
+            medium,
+            site: Site::HalfSpace { surface },
+            reference: Vec3::zeros(),
+            arrival: 0.0,
+            convention: InputConvention::Incident,
+        }
+    }
+
+    /// Unit vector of the incident wave's travel.
+    pub fn direction(&self) -> Vec3 {
+        let (sine, cosine) = self.incidence.radians().sin_cos();
+        let (across, along) = self.azimuth.radians().sin_cos();
+        Vec3::new(sine * along, sine * across, cosine)
+    }
+}
+
+/// The corner of the box from `low` to `high` that a plane wave of the given direction hits first.
+///
+/// ```
+/// use powerhouse_model::Vec3;
+/// use powerhouse_wavefield::first_hit_corner;
+/// let (low, high) = (Vec3::new(-80.0, -70.0, -150.0), Vec3::new(80.0, 70.0, 0.0));
+/// let corner = first_hit_corner(&low, &high, &Vec3::new(-0.5, 0.0, 0.866));
+/// assert_eq!(corner, Vec3::new(80.0, -70.0, -150.0));
+/// ```
+pub fn first_hit_corner(low: &Vec3, high: &Vec3, direction: &Vec3) -> Vec3 {
+    low.zip_zip_map(
+        high,
+        direction,
+        |low, high, direction| {
+            if direction < 0.0 { high } else { low }
+        },
+    )
+}
+
+/// A plane P, SV or SH wave and what a free surface makes of it.
+///
+/// The sampler of a [`prepare`](IncidentField::prepare)d set of points does one table look-up per
+/// wave and point. Below the critical angle the waves are real multiples of the signal, exact at
+/// all times. Past it ([`critical_angle`](crate::critical_angle)) the reflected waves are made
+/// from tables of the analytic signal, and begin before the incident wave arrives: see
+/// [`start_level`](Self::start_level) and [`with_quiet_start`](Self::with_quiet_start).
+///
+/// Sources: K. Aki, P. G. Richards (2002), Quantitative Seismology, ch. 5; X. Wang, J. Chen,
+/// M. Xiao (2019), Soil Dyn. Earthq. Eng. 119, Eqs. 4-10, whose delays are replaced by
+/// `t - (x - x0).s` with one horizontal slowness for all waves.
+#[derive(Clone)]
+pub struct PlaneWave {
+    parameters: PlaneWaveParameters,
+    pub(crate) signal: Arc<dyn Signal>,
+    waves: Vec<PartialWave>,
+    conversion: InputConversion,
+    pub(crate) taper: Option<StartTaper>,
+    name: String,
+}
+
+impl core::fmt::Debug for PlaneWave {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter) -> core::fmt::Result {
+        formatter
+            .debug_struct("PlaneWave")
+            .field("parameters", &self.parameters)
+            .field("conversion", &self.conversion)
+            .finish_non_exhaustive()
+    }
+}
+
+impl PlaneWave {
+    /// A wave of the given parameters that carries a signal.
+    ///
+    /// # Errors
+    /// Grazing incidence under a free surface; a convention that needs a free surface in a full
+    /// space, or names a component that this wave hardly moves; a signal with a lasting
+    /// displacement where it is to be shifted in phase; a number outside its range.
+    pub fn new(
+        parameters: PlaneWaveParameters,
+        signal: Arc<dyn Signal>,
+    ) -> Result<Self, WaveError> {
+        const FARTHEST: f64 = 1e9;
+        let PlaneWaveParameters {
+            kind,
+            incidence,
+            azimuth,
+            medium,
+            site,
+            reference,
+            arrival,
+            convention,
+        } = parameters;
+        let medium = ElasticMedium::new(medium.young, medium.poisson, medium.density)?;
+        ParameterError::check("azimuth", azimuth.degrees(), -1e6, 1e6)?;
+        ParameterError::check("arrival", arrival, -FARTHEST, FARTHEST)?;
+        for (name, value) in ["reference.x", "reference.y", "reference.z"]
+            .into_iter()
+            .zip(reference.iter())
+        {
+            ParameterError::check(name, *value, -FARTHEST, FARTHEST)?;
+        }
+        let (sine, cosine) = azimuth.radians().sin_cos();
+        let mut conversion = InputConversion {
+            amplitude: Complex::new(1.0, 0.0),
+            within: None,
+        };
+        let mut signal = signal;
+        let waves = match site {
+            Site::HalfSpace { surface } => {
+                ParameterError::check("surface", surface, -FARTHEST, FARTHEST)?;
+                let reflection = SurfaceReflection::new(kind, incidence, &medium)?;
+                conversion.amplitude = convention.amplitude(&reflection)?;
+                if let InputConvention::Within {
+                    depth,
+                    component,
+                    regularisation,
+                } = convention
+                {
+                    let record = (depth, component, regularisation);
+                    let (found, report) = incident_of_within(&*signal, &reflection, record)?;
+                    signal = Arc::new(found);
+                    conversion.within = Some(report);
+                }
+                half_space_waves(
+                    &reflection,
+                    conversion.amplitude,
+                    (cosine, sine),
+                    &medium,
+                    (reference, arrival, surface),
+                )
+            }
+            Site::FullSpace => {
+                ParameterError::check("incidence", incidence.degrees(), 0.0, 180.0)?;
+                if convention != InputConvention::Incident {
+                    return Err(WaveError::NoSurface {
+                        convention: convention.name(),
+                    });
+                }
+                vec![full_space_wave(&parameters, (cosine, sine))]
+            }
+        };
+        let wave = Self {
+            name: format!("{kind} wave at {:.4} degrees", incidence.degrees()),
+            parameters,
+            signal,
+            waves,
+            conversion,
+            taper: None,
+        };
+        if !wave.is_causal() {
+            check_return(&*wave.signal, "a wave past the critical angle")?;
+        }
+        Ok(wave)
+    }
+
+    /// The parameters of the wave.
+    pub fn parameters(&self) -> &PlaneWaveParameters {
+        &self.parameters
+    }
+
+    /// How the record became the incident wave.
+    pub fn conversion(&self) -> &InputConversion {
+        &self.conversion
+    }
+
+    /// Whether all waves are delayed real multiples of the signal; if not, the field begins before
+    /// the signal does.
+    pub fn is_causal(&self) -> bool {
+        self.waves.iter().all(PartialWave::is_real)
+    }
+
+    /// The waves of the field, the incident one first.
+    pub(crate) fn partial_waves(&self) -> &[PartialWave] {
+        &self.waves
+    }
+
+    /// The same wave, later.
+    pub(crate) fn delayed(&self, time: f64, taper: Option<StartTaper>) -> Self {
+        let mut later = self.clone();
+        later.parameters.arrival += time;
+        for wave in &mut later.waves {
+            wave.delay_by(time);
+        }
+        later.taper = taper;
+        later
+    }
+
+    fn check_points(&self, points: &[Vec3]) -> Result<(), WaveError> {
+        let mut reach = 1.0f64;
+        for (index, point) in points.iter().enumerate() {
+            if !point.iter().all(|coordinate| coordinate.is_finite()) {
+                return Err(WaveError::PointNotFinite { index });
+            }
+            reach = reach.max(point.amax());
+        }
+        if let Site::HalfSpace { surface } = self.parameters.site {
+            // Room for the rounding of coordinates in mesh files.
+            let highest = surface + 1e-6 * reach;
+            if let Some(index) = points.iter().position(|point| point.z > highest) {
+                return Err(WaveError::AboveSurface {
+                    index,
+                    height: points[index].z,
+                    surface,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl IncidentField for PlaneWave {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn medium(&self) -> ElasticMedium {
+        self.parameters.medium
+    }
+
+    fn incident_part(&self) -> Option<Box<dyn IncidentField>> {
+        let mut incident = self.clone();
+        incident.waves.truncate(1);
+        incident.parameters.site = Site::FullSpace;
+        incident.name = format!("incident {}", self.name);
+        Some(Box::new(incident))
+    }
+
+    fn prepare(&self, points: &[Vec3]) -> Result<Box<dyn FieldSampler>, ModelError> {
+        self.check_points(points)?;
+        if self.is_causal() {
+            let signal = self.signal.clone();
+            return Ok(Box::new(BodySampler::new(signal, &self.waves, points)));
+        }
+        let sampler = AnalyticSampler::new(&*self.signal, self.taper, &self.waves, points)?;
+        Ok(Box::new(sampler))
+    }
+}
+
+fn full_space_wave(parameters: &PlaneWaveParameters, (cosine, sine): (f64, f64)) -> PartialWave {
+    let (rise, lift) = parameters.incidence.radians().sin_cos();
+    let polarisation = match parameters.kind {
+        WaveKind::P => [rise, 0.0, lift],
+        WaveKind::SV => [lift, 0.0, -rise],
+        WaveKind::SH => [0.0, 1.0, 0.0],
+    };
+    let real = |vector: [f64; 3]| vector.map(|value| Complex::new(value, 0.0));
+    let slowness = 1.0 / parameters.kind.speed(&parameters.medium);
+    PartialWave::new(
+        turned(real(polarisation), cosine, sine),
+        turned(real([rise * slowness, 0.0, lift * slowness]), cosine, sine),
+        &parameters.medium,
+        parameters.reference,
+        parameters.arrival,
+    )
+}

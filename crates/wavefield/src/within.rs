@@ -1,0 +1,247 @@
+//! From the motion inside a half-space to the wave that caused it.
+
+use powerhouse_model::ParameterError;
+use std::f64::consts::PI;
+
+use crate::fourier::Fourier;
+use crate::hermite::Quintic;
+use crate::signal::check_return;
+use crate::{
+    Complex, Signal, SignalMotion, Support, SurfaceComponent, SurfaceReflection, WaveError,
+};
+
+/// What a regularised division by a transfer function did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WithinReport {
+    /// The regularisation, relative to the sum of the waves' magnitudes.
+    pub regularisation: f64,
+    /// Least magnitude of the transfer function where the record has 1 % of its peak spectrum or
+    /// more.
+    pub least_transfer: f64,
+    /// Relative L2 misfit, in velocity, between the record and the motion that the incident wave
+    /// found causes at its depth.
+    pub misfit: f64,
+    /// Largest displacement of the incident wave over that of the record.
+    pub amplification: f64,
+}
+
+/// A signal by its samples, joined by quintics.
+pub(crate) struct SampledSignal {
+    start: f64,
+    step: f64,
+    per_step: f64,
+    intervals: Vec<Quintic<f64>>,
+}
+
+impl Signal for SampledSignal {
+    fn motion(&self, time: f64) -> SignalMotion {
+        let place = (time - self.start) * self.per_step;
+        if place >= 0.0 && place < self.intervals.len() as f64 {
+            let index = place as usize;
+            let local = place - index as f64;
+            let (displacement, velocity) = self.intervals[index].real_value(local);
+            let curvature = self.intervals[index].second_derivative(local);
+            return SignalMotion {
+                displacement,
+                velocity: velocity * self.per_step,
+                acceleration: curvature * self.per_step * self.per_step,
+            };
+        }
+        SignalMotion::default()
+    }
+    fn support(&self) -> Support {
+        Support {
+            start: self.start,
+            end: self.start + self.step * self.intervals.len() as f64,
+            step: self.step,
+        }
+    }
+}
+
+/// The incident wave, at the same place, of which `signal` is the given component at a depth.
+///
+/// The incident wave precedes the record by the way to the surface and rings after it: it is
+/// sought from two lengths of the record before to four lengths after, and faded out over the
+/// outer tenths of that.
+pub(crate) fn incident_of_within(
+    signal: &dyn Signal,
+    reflection: &SurfaceReflection,
+    (depth, component, regularisation): (f64, SurfaceComponent, f64),
+) -> Result<(SampledSignal, WithinReport), WaveError> {
+    const MOST_SAMPLES: usize = 1 << 20;
+    ParameterError::check("depth", depth, f64::MIN_POSITIVE, 1e9)?;
+    ParameterError::check("regularisation", regularisation, 1e-3, 0.5)?;
+    let transfer = Transfer::new(reflection, depth, component)?;
+    let support = signal.support();
+    let step = support.step;
+    check_return(signal, "the motion within a half-space")?;
+    // The longest way to the surface and back is part of the length.
+    let length = support.end - support.start + transfer.longest_delay();
+    let wanted = 8.0 * length / step;
+    if !(wanted <= MOST_SAMPLES as f64) {
+        return Err(WaveError::TooManySamples {
+            operation: "the division by the motion within a half-space",
+            wanted,
+            most: MOST_SAMPLES,
+        });
+    }
+    let mut fourier = Fourier::new(wanted.ceil() as usize);
+    let count = fourier.len();
+    let filter = Filter::new(&transfer, regularisation, count, step);
+
+    let quarter = count / 4;
+    let mut samples = [(); 3].map(|()| vec![0.0; count]);
+    for i in 0..count - quarter {
+        let time = support.start + i as f64 * step;
+        if time > support.end {
+            break;
+        }
+        let motion = signal.motion(time);
+        samples[0][quarter + i] = motion.displacement;
+        samples[1][quarter + i] = motion.velocity;
+        samples[2][quarter + i] = motion.acceleration;
+    }
+    let spectra = samples.each_ref().map(|samples| fourier.forward(samples));
+    let mut filtered = spectra.each_ref().map(|spectrum| {
+        let values = spectrum.iter().zip(&filter.inverse);
+        fourier.inverse(&values.map(|(s, f)| s * f).collect::<Vec<_>>())
+    });
+    fade(&mut filtered, step);
+
+    let peak = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let report = WithinReport {
+        regularisation,
+        least_transfer: filter.least_transfer(&spectra[1]),
+        misfit: filter.misfit(&spectra[1]),
+        amplification: match peak(&samples[0]) {
+            0.0 => 0.0,
+            before => peak(&filtered[0]) / before,
+        },
+    };
+    let node = |i: usize| filtered.each_ref().map(|values| values[i]);
+    let intervals = (0..count - 1).map(|i| Quintic::new(node(i), node(i + 1), step));
+    let signal = SampledSignal {
+        start: support.start - quarter as f64 * step,
+        step,
+        per_step: 1.0 / step,
+        intervals: intervals.collect(),
+    };
+    Ok((signal, report))
+}
+
+/// Motion at a depth for unit incidence at the same place.
+struct Transfer {
+    /// Amplitude of each wave, and its delay (s) after the incident one.
+    waves: [(Complex, Complex); 3],
+}
+
+impl Transfer {
+    fn new(
+        reflection: &SurfaceReflection,
+        depth: f64,
+        component: SurfaceComponent,
+    ) -> Result<Self, WaveError> {
+        let [incident, same, converted] = reflection
+            .polarisations()
+            .map(|polarisation| polarisation[component.index()]);
+        if [incident, same, converted].iter().all(|p| p.norm() < 1e-12) {
+            return Err(WaveError::WeakComponent {
+                kind: reflection.kind,
+                component,
+                coefficient: 0.0,
+                limit: 1e-12,
+            });
+        }
+        let rise = reflection.vertical_slowness;
+        let zero = Complex::new(0.0, 0.0);
+        Ok(Self {
+            waves: [
+                (incident, zero),
+                (same, Complex::new(2.0 * rise * depth, 0.0)),
+                (converted, (reflection.converted_slowness + rise) * depth),
+            ],
+        })
+    }
+
+    fn value(&self, frequency: f64) -> Complex {
+        let phase = Complex::new(0.0, -2.0 * PI * frequency);
+        let terms = self.waves.iter();
+        terms
+            .map(|(wave, delay)| wave * (phase * delay).exp())
+            .sum()
+    }
+
+    fn magnitude(&self) -> f64 {
+        self.waves.iter().map(|(wave, _)| wave.norm()).sum()
+    }
+
+    fn longest_delay(&self) -> f64 {
+        self.waves
+            .iter()
+            .map(|(_, delay)| delay.re)
+            .fold(0.0, f64::max)
+    }
+}
+
+/// The regularised inverse at the frequencies of a transform.
+struct Filter {
+    transfer: Vec<Complex>,
+    inverse: Vec<Complex>,
+}
+
+impl Filter {
+    fn new(transfer: &Transfer, regularisation: f64, count: usize, step: f64) -> Self {
+        let floor = (regularisation * transfer.magnitude()).powi(2);
+        let bin = 1.0 / (count as f64 * step);
+        let values = (0..=count / 2).map(|i| transfer.value(i as f64 * bin));
+        let transfer: Vec<Complex> = values.collect();
+        let inverse = transfer.iter().map(|h| h.conj() / (h.norm_sqr() + floor));
+        Self {
+            inverse: inverse.collect(),
+            transfer,
+        }
+    }
+
+    fn least_transfer(&self, spectrum: &[Complex]) -> f64 {
+        let peak = spectrum.iter().map(|s| s.norm()).fold(0.0, f64::max);
+        let strong = self.transfer.iter().zip(spectrum);
+        let strong = strong.filter(|(_, s)| s.norm() >= 0.01 * peak);
+        strong.map(|(h, _)| h.norm()).fold(f64::INFINITY, f64::min)
+    }
+
+    fn misfit(&self, spectrum: &[Complex]) -> f64 {
+        let (mut missed, mut all) = (0.0, 0.0);
+        for ((h, inverse), s) in self.transfer.iter().zip(&self.inverse).zip(spectrum) {
+            missed += (s * (h * inverse - 1.0)).norm_sqr();
+            all += s.norm_sqr();
+        }
+        if all > 0.0 {
+            (missed / all).sqrt()
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Fades displacement, velocity and acceleration at both ends, by the product rule.
+fn fade([displacement, velocity, acceleration]: &mut [Vec<f64>; 3], step: f64) {
+    let count = displacement.len();
+    let width = (count / 10) as f64;
+    for i in 0..count {
+        let from_end = i.min(count - 1 - i) as f64;
+        if from_end >= width {
+            continue;
+        }
+        let sign = if 2 * i < count { 1.0 } else { -1.0 };
+        let x = from_end / width;
+        let rate = sign / (width * step);
+        // 10 x^3 - 15 x^4 + 6 x^5 rises from 0 to 1 with two derivatives zero at both ends.
+        let w = x * x * x * (10.0 + x * (6.0 * x - 15.0));
+        let w1 = rate * 30.0 * x * x * (1.0 - x) * (1.0 - x);
+        let w2 = rate * rate * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x);
+        let (d, v, a) = (displacement[i], velocity[i], acceleration[i]);
+        displacement[i] = d * w;
+        velocity[i] = v * w + d * w1;
+        acceleration[i] = a * w + 2.0 * v * w1 + d * w2;
+    }
+}

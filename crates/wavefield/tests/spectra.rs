@@ -1,0 +1,118 @@
+//! Response and Fourier spectra, Arias intensity.
+
+use powerhouse_wavefield::TimeHistory;
+use std::f64::consts::PI;
+
+/// A step of ground acceleration lets an undamped oscillator swing to twice the static
+/// displacement, whatever its period and the record's step.
+#[test]
+fn a_step_doubles_the_static_response() {
+    let history = TimeHistory::new(0.1, vec![1.0; 101]).unwrap();
+    for period in [0.01, 0.1, 0.7, 3.0] {
+        let response = history.response_spectrum(0.0, &[period]).unwrap()[0];
+        let stiffness = (2.0 * PI / period).powi(2);
+        // Read 32 times a period, a peak is missed by at most 1 - cos(pi/32) of its half.
+        let share = response.displacement * stiffness / 2.0;
+        assert!(
+            (1.0 - 0.5 * (1.0 - (PI / 32.0).cos())..=1.0 + 1e-9).contains(&share),
+            "{share}"
+        );
+        assert!((response.acceleration - response.pseudo_acceleration()).abs() < 1e-9);
+    }
+}
+
+/// Under a damped harmonic at resonance the amplitude grows as 1 - exp(-z w t) towards
+/// a / (2 z w^2).
+#[test]
+fn resonance_grows_as_theory_says() {
+    let (period, damping, step) = (1.0, 0.05, 0.001);
+    let w = 2.0 * PI / period;
+    let cycles = 30.0;
+    let samples = (0..=(cycles * period / step) as usize).map(|i| (w * step * i as f64).sin());
+    let history = TimeHistory::new(step, samples.collect()).unwrap();
+    let response = history.response_spectrum(damping, &[period]).unwrap()[0];
+    let expected = (1.0 - (-damping * w * cycles * period).exp()) / (2.0 * damping * w * w);
+    // Straight lines between samples lower a harmonic by (w step)^2 / 12.
+    assert!(
+        (response.displacement / expected - 1.0).abs() < 1e-3,
+        "{response:?} {expected}"
+    );
+}
+
+/// Refining a record's step by a whole number changes its response spectrum only by where it is
+/// read: the solution is exact for straight lines.
+#[test]
+fn the_response_is_exact_for_straight_lines() {
+    let samples: Vec<f64> = (0..200)
+        .map(|i| (0.37 * i as f64).sin() + (0.6 * i as f64).cos())
+        .collect();
+    let coarse = TimeHistory::new(0.05, samples).unwrap();
+    let fine = coarse.resampled(0.005).unwrap();
+    // Read at 12.5 ms, a motion of 12 rad/s is missed by 1 - cos(12 x 0.0125 / 2) = 0.3 %.
+    for period in [0.08, 0.3, 1.0, 5.0] {
+        let read = |history: &TimeHistory| history.response_spectrum(0.05, &[period]).unwrap()[0];
+        let (a, b) = (read(&coarse), read(&fine));
+        assert!((a.displacement / b.displacement - 1.0).abs() < 5e-3);
+        assert!((a.velocity / b.velocity - 1.0).abs() < 5e-3);
+    }
+}
+
+/// A stiff oscillator feels the ground's acceleration, a soft one its displacement.
+#[test]
+fn the_spectrum_has_its_limits() {
+    let samples = (0..=200).map(|i| {
+        let x = i as f64 / 200.0;
+        // The second derivative of (x (1 - x))^4 comes to rest.
+        let y = x * (1.0 - x);
+        12.0 * y * y * (1.0 - 2.0 * x).powi(2) - 8.0 * y * y * y
+    });
+    let history = TimeHistory::new(0.01, samples.collect()).unwrap();
+    let report = history.report();
+    let stiff = history.response_spectrum(0.05, &[0.002]).unwrap()[0];
+    assert!((stiff.acceleration / report.peak_acceleration - 1.0).abs() < 1e-2);
+    let soft = history.response_spectrum(0.05, &[1000.0]).unwrap()[0];
+    assert!((soft.displacement / report.peak_displacement - 1.0).abs() < 1e-2);
+}
+
+/// The Fourier spectrum of a triangle is its closed form at every line, above the old Nyquist
+/// frequency of its corners too.
+#[test]
+fn the_fourier_spectrum_is_exact() {
+    let triangle = TimeHistory::new(0.5, vec![0.0, 1.0, 0.0]).unwrap();
+    let fine = triangle.resampled(0.05).unwrap();
+    for history in [&triangle, &fine] {
+        for line in history.fourier_spectrum() {
+            let x = PI * line.frequency * 0.5;
+            let sinc = if x == 0.0 { 1.0 } else { x.sin() / x };
+            assert!(
+                (line.amplitude - 0.5 * sinc * sinc).abs() < 1e-12,
+                "{line:?}"
+            );
+        }
+    }
+}
+
+/// Arias intensity and significant duration of a constant acceleration have closed forms.
+#[test]
+fn arias_intensity_is_exact() {
+    let history = TimeHistory::new(0.1, vec![2.0; 101]).unwrap();
+    let expected = PI / (2.0 * 9.80665) * 4.0 * 10.0;
+    assert!((history.arias_intensity() / expected - 1.0).abs() < 1e-12);
+    let duration = history.significant_duration(0.05, 0.95).unwrap();
+    assert!((duration - 9.0).abs() < 1e-9);
+    assert!(history.significant_duration(0.9, 0.1).is_err());
+}
+
+/// Damping and periods outside their range are refused by name.
+#[test]
+fn impossible_oscillators_are_refused() {
+    let history = TimeHistory::new(0.1, vec![1.0; 3]).unwrap();
+    for (damping, period, name) in [
+        (1.0, 1.0, "damping"),
+        (-0.1, 1.0, "damping"),
+        (0.05, 0.0, "period"),
+    ] {
+        let error = history.response_spectrum(damping, &[period]).unwrap_err();
+        assert!(error.to_string().contains(name));
+    }
+}
