@@ -303,13 +303,7 @@ impl SampledSpectra {
     fn new(signal: &dyn Signal) -> Result<Self, WaveError> {
         let support = signal.support();
         let wanted = 8.0 * (support.end - support.start) / support.step;
-        if !(wanted <= MOST_SAMPLES as f64) {
-            return Err(WaveError::TooManySamples {
-                operation: "the transform of a signal",
-                wanted,
-                most: MOST_SAMPLES,
-            });
-        }
+        WaveError::check_samples("the transform of a signal", wanted, MOST_SAMPLES)?;
         let count = (wanted / 8.0).ceil().max(1.0) as usize;
         let mut fourier = Fourier::new(8 * count);
         let radius = 0.5 * count as f64 * support.step;

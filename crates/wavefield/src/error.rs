@@ -147,6 +147,24 @@ pub enum WaveError {
     },
 }
 
+impl WaveError {
+    /// Refuses to hold more samples than permitted.
+    pub(crate) fn check_samples(
+        operation: &'static str,
+        wanted: f64,
+        most: usize,
+    ) -> Result<(), Self> {
+        if wanted.is_finite() && wanted <= most as f64 {
+            return Ok(());
+        }
+        Err(Self::TooManySamples {
+            operation,
+            wanted,
+            most,
+        })
+    }
+}
+
 impl From<WaveError> for ModelError {
     fn from(error: WaveError) -> Self {
         Self::refused("wave field", error)

@@ -78,13 +78,11 @@ pub(crate) fn incident_of_within(
     // The longest way to the surface and back is part of the length.
     let length = support.end - support.start + transfer.longest_delay();
     let wanted = 8.0 * length / step;
-    if !(wanted <= MOST_SAMPLES as f64) {
-        return Err(WaveError::TooManySamples {
-            operation: "the division by the motion within a half-space",
-            wanted,
-            most: MOST_SAMPLES,
-        });
-    }
+    WaveError::check_samples(
+        "the division by the motion within a half-space",
+        wanted,
+        MOST_SAMPLES,
+    )?;
     let mut fourier = Fourier::new(wanted.ceil() as usize);
     let count = fourier.len();
     let filter = Filter::new(&transfer, regularisation, count, step);

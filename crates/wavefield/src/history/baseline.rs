@@ -210,13 +210,7 @@ impl TimeHistory {
         ParameterError::check("corner", corner, 1e-6, nyquist)?;
         let pad = (1.5 * order as f64 / corner / self.step).ceil();
         let wanted = 2.0 * (self.samples() as f64 + 2.0 * pad);
-        if wanted > MOST_SAMPLES as f64 {
-            return Err(WaveError::TooManySamples {
-                operation: "a high-pass filter with its padding",
-                wanted,
-                most: MOST_SAMPLES,
-            });
-        }
+        WaveError::check_samples("a high-pass filter with its padding", wanted, MOST_SAMPLES)?;
         let pad = pad as usize;
         let length = self.samples() + 2 * pad;
         let mut fourier = Fourier::new(2 * length);

@@ -71,13 +71,7 @@ impl TimeHistory {
     pub fn resampled(&self, step: f64) -> Result<Self, WaveError> {
         ParameterError::check("step", step, 1e-9, self.step * (1.0 + 1e-12))?;
         let intervals = self.duration() / step;
-        if intervals >= MOST_SAMPLES as f64 {
-            return Err(WaveError::TooManySamples {
-                operation: "resampling",
-                wanted: intervals,
-                most: MOST_SAMPLES,
-            });
-        }
+        WaveError::check_samples("resampling", intervals, MOST_SAMPLES)?;
         let intervals = (intervals * (1.0 - 1e-12)).ceil() as usize;
         let duration = self.duration();
         let samples = (0..=intervals).map(|i| {
@@ -99,13 +93,7 @@ impl TimeHistory {
         ParameterError::check("after", after, 0.0, most)?;
         let count = |length: f64| (length / self.step).round() as usize;
         let total = self.samples() + count(before) + count(after);
-        if total > MOST_SAMPLES {
-            return Err(WaveError::TooManySamples {
-                operation: "padding",
-                wanted: total as f64,
-                most: MOST_SAMPLES,
-            });
-        }
+        WaveError::check_samples("padding", total as f64, MOST_SAMPLES)?;
         let mut samples = vec![0.0; count(before)];
         samples.extend(self.nodes.iter().map(|node| node.acceleration));
         samples.resize(total, 0.0);

@@ -94,7 +94,10 @@ impl TimeHistory {
                 least: 2,
             });
         }
-        if let Some(index) = acceleration.iter().position(|a| !(a.abs() <= 1e12)) {
+        if let Some(index) = acceleration
+            .iter()
+            .position(|a| !a.is_finite() || a.abs() > 1e12)
+        {
             return Err(WaveError::SampleNotFinite {
                 index,
                 value: acceleration[index],
@@ -149,8 +152,7 @@ impl TimeHistory {
     #[inline]
     pub fn motion(&self, time: f64) -> SignalMotion {
         let place = time * self.per_step;
-        // Written so that a time that is not a number counts as before the start.
-        if !(place >= 0.0) {
+        if place.is_nan() || place < 0.0 {
             return SignalMotion::default();
         }
         let last = self.nodes.len() - 1;

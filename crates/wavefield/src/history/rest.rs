@@ -50,7 +50,7 @@ impl TimeHistory {
         }
         let limit = PERMITTED_SHARE * report.peak_displacement;
         let difference = declared - report.end_displacement;
-        if !(difference.abs() <= limit) {
+        if difference.is_nan() || difference.abs() > limit {
             return Err(WaveError::EndDisplacement {
                 displacement: report.end_displacement,
                 declared,
