@@ -1,0 +1,60 @@
+//! Files that are there whole or not at all.
+
+use std::fs;
+use std::path::Path;
+
+use crate::IoError;
+
+/// Writes a file under a temporary name beside it and then renames it, so that a run that is cut
+/// short leaves no half file. Makes the folder if it does not exist.
+///
+/// # Errors
+/// [`IoError::File`] with the path.
+pub fn write_whole(file: &Path, content: &[u8]) -> Result<(), IoError> {
+    if let Some(folder) = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+    {
+        fs::create_dir_all(folder).map_err(IoError::file(folder))?;
+    }
+    let mut name = file.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = file.with_file_name(name);
+    let written = fs::write(&part, content).and_then(|()| fs::rename(&part, file));
+    if written.is_err() {
+        // The first failure is the one to tell; the remnant is removed if it can be.
+        let _ = fs::remove_file(&part);
+    }
+    written.map_err(IoError::file(file))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder that does not exist is made; nothing but the file is left in it.
+    #[test]
+    fn a_file_is_written_whole() {
+        let folder = std::env::temp_dir().join(format!("powerhouse-atomic-{}", std::process::id()));
+        let file = folder.join("deep/er/file.txt");
+        write_whole(&file, b"one").unwrap();
+        write_whole(&file, b"two").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"two");
+        assert_eq!(fs::read_dir(file.parent().unwrap()).unwrap().count(), 1);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// An error names the file that could not be written.
+    #[test]
+    fn an_error_names_the_file() {
+        let folder =
+            std::env::temp_dir().join(format!("powerhouse-atomic-e-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let error = write_whole(&folder, b"a folder stands in the way").unwrap_err();
+        assert!(
+            error.to_string().contains("powerhouse-atomic-e-"),
+            "{error}"
+        );
+        fs::remove_dir_all(folder).unwrap();
+    }
+}

@@ -1,0 +1,181 @@
+//! Histories as comma-separated columns.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::{IoError, write_whole};
+
+/// One named column of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableColumn {
+    /// Its name, without commas, quotes or line breaks.
+    pub name: String,
+    /// Its unit, `1` if it has none.
+    pub unit: String,
+    /// One number per row.
+    pub values: Vec<f64>,
+}
+
+impl TableColumn {
+    /// A column from its parts.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+            values,
+        }
+    }
+}
+
+/// Writes columns side by side: a header `name [unit]` per column, then a row per line, each
+/// number with as many digits as it takes to read the same double back.
+///
+/// # Errors
+/// Columns of unequal length, names that the format cannot hold, numbers that are not finite, or
+/// the operating system's error.
+pub fn write_table(file: &Path, columns: &[TableColumn]) -> Result<(), IoError> {
+    let rows = columns.first().map_or(0, |column| column.values.len());
+    let mut text = String::new();
+    for (index, column) in columns.iter().enumerate() {
+        if column.values.len() != rows {
+            return Err(IoError::Length {
+                file: file.into(),
+                what: column.name.clone(),
+                found: column.values.len(),
+                expected: rows,
+            });
+        }
+        for name in [&column.name, &column.unit] {
+            if name.contains([',', '"', '\n', '\r', '[', ']']) {
+                return Err(IoError::Name {
+                    file: file.into(),
+                    name: name.clone(),
+                });
+            }
+        }
+        if let Some(place) = column.values.iter().position(|value| !value.is_finite()) {
+            return Err(IoError::NotFinite {
+                file: file.into(),
+                what: column.name.clone(),
+                place,
+                value: column.values[place],
+            });
+        }
+        let separator = if index == 0 { "" } else { "," };
+        let _ = write!(text, "{separator}{} [{}]", column.name, column.unit);
+    }
+    text.push('\n');
+    for row in 0..rows {
+        for (index, column) in columns.iter().enumerate() {
+            let separator = if index == 0 { "" } else { "," };
+            let _ = write!(text, "{separator}{:e}", column.values[row]);
+        }
+        text.push('\n');
+    }
+    write_whole(file, text.as_bytes())
+}
+
+/// Reads a table that [`write_table`] wrote.
+///
+/// # Errors
+/// [`IoError::Table`] names the line: a column header without unit, a row with another number of
+/// columns, or a number that cannot be read.
+pub fn read_table(file: &Path) -> Result<Vec<TableColumn>, IoError> {
+    let text = std::fs::read_to_string(file).map_err(IoError::file(file))?;
+    let fault = |line: usize, reason: String| IoError::Table {
+        file: file.into(),
+        line,
+        reason,
+    };
+    let mut lines = text.lines().enumerate();
+    let (_, header) = lines
+        .next()
+        .ok_or_else(|| fault(1, "the file is empty".into()))?;
+    let mut columns = Vec::new();
+    for cell in header.split(',') {
+        let (name, unit) = cell
+            .strip_suffix(']')
+            .and_then(|cell| cell.rsplit_once(" ["))
+            .ok_or_else(|| {
+                fault(
+                    1,
+                    format!("the column header {cell:?} has no unit in brackets"),
+                )
+            })?;
+        columns.push(TableColumn::new(name, unit, Vec::new()));
+    }
+    for (index, line) in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        if cells.len() != columns.len() {
+            let reason = format!("{} cells instead of {}", cells.len(), columns.len());
+            return Err(fault(index + 1, reason));
+        }
+        for (column, cell) in columns.iter_mut().zip(cells) {
+            let value = cell
+                .parse()
+                .map_err(|_| fault(index + 1, format!("{cell:?} is no number")))?;
+            column.values.push(value);
+        }
+    }
+    Ok(columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn temporary(name: &str) -> std::path::PathBuf {
+        std::env::temp_dir().join(format!("powerhouse-{}-{name}", std::process::id()))
+    }
+
+    /// What is written is read back bit for bit.
+    #[test]
+    fn a_table_survives_the_round_trip() {
+        let file = temporary("table.csv");
+        let columns = vec![
+            TableColumn::new("time", "s", vec![0.0, 0.1, 0.30000000000000004]),
+            TableColumn::new(
+                "crown uz",
+                "m",
+                vec![-1.0e-300, 5e-324, 1.7976931348623157e308],
+            ),
+        ];
+        write_table(&file, &columns).unwrap();
+        assert_eq!(read_table(&file).unwrap(), columns);
+        std::fs::remove_file(file).unwrap();
+    }
+
+    /// A number that is not finite, a short column and an impossible name are refused by name.
+    #[test]
+    fn faults_are_named() {
+        let file = temporary("bad.csv");
+        let nan = [TableColumn::new("uz", "m", vec![0.0, f64::NAN])];
+        let message = write_table(&file, &nan).unwrap_err().to_string();
+        assert!(
+            message.contains("'uz'") && message.contains("place 1"),
+            "{message}"
+        );
+        let short = [
+            TableColumn::new("time", "s", vec![0.0, 1.0]),
+            TableColumn::new("uz", "m", vec![0.0]),
+        ];
+        assert!(matches!(
+            write_table(&file, &short),
+            Err(IoError::Length {
+                found: 1,
+                expected: 2,
+                ..
+            })
+        ));
+        let comma = [TableColumn::new("u,z", "m", vec![])];
+        assert!(matches!(
+            write_table(&file, &comma),
+            Err(IoError::Name { .. })
+        ));
+        assert!(!file.exists());
+        std::fs::write(&file, "time [s],uz [m]\n1,2\n3\n").unwrap();
+        let message = read_table(&file).unwrap_err().to_string();
+        assert!(message.contains(":3: 1 cells"), "{message}");
+        std::fs::remove_file(file).unwrap();
+    }
+}

@@ -1,0 +1,11 @@
+//! Results for ParaView: VTU files of one instant each and a PVD collection of them.
+//!
+//! The data stand behind the XML as raw bytes, compressed by zlib in blocks, as the VTK file
+//! formats page describes (Kitware, *VTK XML file formats*, appended data).
+
+mod collection;
+mod encode;
+mod writer;
+
+pub use collection::PvdCollection;
+pub use writer::{FieldPrecision, VtuField, VtuWriter};

@@ -1,0 +1,181 @@
+//! VTU files hold what was written, read back by a decoder of their own.
+
+use std::io::Read as _;
+use std::path::PathBuf;
+
+use flate2::read::ZlibDecoder;
+use powerhouse_io::{FieldPrecision, IoError, PvdCollection, VtuField, VtuWriter};
+use powerhouse_model::{Mesh, Vec3};
+
+fn folder(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("powerhouse-vtu-{}-{name}", std::process::id()))
+}
+
+fn small_box() -> Mesh {
+    Mesh::box_of_hexes(
+        Vec3::zeros(),
+        Vec3::new(3.0, 2.0, 1.0),
+        [30, 20, 10],
+        "rock",
+    )
+    .unwrap()
+}
+
+/// The bytes of a named array.
+fn array(file: &[u8], name: &str) -> Vec<u8> {
+    let mark = b"<AppendedData encoding=\"raw\">\n_";
+    let data = file.windows(mark.len()).position(|w| w == mark).unwrap() + mark.len();
+    let xml = std::str::from_utf8(&file[..data - mark.len()]).unwrap();
+    let tag = xml
+        .lines()
+        .find(|l| l.contains(&format!("Name=\"{name}\"")))
+        .unwrap();
+    let offset = tag
+        .split("offset=\"")
+        .nth(1)
+        .unwrap()
+        .split('"')
+        .next()
+        .unwrap();
+    let at = data + offset.parse::<usize>().unwrap();
+    let word = |i: usize| {
+        u64::from_le_bytes(file[at + 8 * i..at + 8 * i + 8].try_into().unwrap()) as usize
+    };
+    let (blocks, size, last) = (word(0), word(1), word(2));
+    let mut start = at + 8 * (3 + blocks);
+    let mut out = Vec::new();
+    for block in 0..blocks {
+        let length = word(3 + block);
+        let before = out.len();
+        ZlibDecoder::new(&file[start..start + length])
+            .read_to_end(&mut out)
+            .unwrap();
+        let wanted = if block + 1 == blocks && last > 0 {
+            last
+        } else {
+            size
+        };
+        assert_eq!(out.len() - before, wanted);
+        start += length;
+    }
+    out
+}
+
+fn doubles(bytes: &[u8]) -> Vec<f64> {
+    bytes
+        .chunks(8)
+        .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
+        .collect()
+}
+
+/// Positions, cells, tags and fields come back, over more than one block, in double precision to
+/// the bit and in single precision rounded.
+#[test]
+fn what_is_written_is_read_back() {
+    let mesh = small_box();
+    let folder = folder("round");
+    let values: Vec<f64> = (0..mesh.node_count() * 3)
+        .map(|i| (i as f64).sin())
+        .collect();
+    let stress: Vec<f64> = (0..mesh.element_count() * 6)
+        .map(|i| (i as f64).cos())
+        .collect();
+    let at_nodes = [VtuField {
+        name: "displacement",
+        components: 3,
+        values: &values,
+    }];
+    let in_elements = [VtuField {
+        name: "stress",
+        components: 6,
+        values: &stress,
+    }];
+    for precision in [FieldPrecision::Single, FieldPrecision::Double] {
+        let file = folder.join("one.vtu");
+        let writer = VtuWriter::new(&mesh, precision).unwrap();
+        writer.write(&file, 0.5, &at_nodes, &in_elements).unwrap();
+        let content = std::fs::read(&file).unwrap();
+        let positions: Vec<f64> = mesh
+            .positions()
+            .iter()
+            .flat_map(|p| [p.x, p.y, p.z])
+            .collect();
+        assert_eq!(doubles(&array(&content, "Points")), positions);
+        let connectivity: Vec<u32> = array(&content, "connectivity")
+            .chunks(8)
+            .map(|b| i64::from_le_bytes(b.try_into().unwrap()) as u32)
+            .collect();
+        assert_eq!(&connectivity[8 * 77..8 * 78], mesh.nodes_of(77));
+        let field = array(&content, "displacement");
+        match precision {
+            FieldPrecision::Double => assert_eq!(doubles(&field), values),
+            FieldPrecision::Single => {
+                let singles = field
+                    .chunks(4)
+                    .map(|b| f32::from_le_bytes(b.try_into().unwrap()));
+                assert!(
+                    singles
+                        .zip(&values)
+                        .all(|(single, value)| single == *value as f32)
+                );
+            }
+        }
+        assert_eq!(array(&content, "set rock"), vec![1; mesh.element_count()]);
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// After every instant the collection names files that exist, with their times.
+#[test]
+fn a_collection_is_complete_after_every_instant() {
+    let folder = folder("series");
+    let writer = VtuWriter::new(&small_box(), FieldPrecision::Single).unwrap();
+    let mut series = PvdCollection::new(folder.join("snapshots.pvd"), writer);
+    for instant in 0..3 {
+        series.add(0.25 * f64::from(instant), &[], &[]).unwrap();
+        let text = std::fs::read_to_string(series.file()).unwrap();
+        let files: Vec<&str> = text
+            .split("file=\"")
+            .skip(1)
+            .map(|rest| rest.split('"').next().unwrap())
+            .collect();
+        assert_eq!(files.len(), instant as usize + 1);
+        assert!(files.iter().all(|file| folder.join(file).is_file()));
+    }
+    assert!(
+        std::fs::read_to_string(series.file())
+            .unwrap()
+            .contains("timestep=\"0.5\"")
+    );
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// A field that does not fit the mesh, or that holds a number which is not finite, is refused by
+/// name before anything is written.
+#[test]
+fn faulty_fields_are_refused() {
+    let mesh = small_box();
+    let file = folder("bad").join("bad.vtu");
+    let writer = VtuWriter::new(&mesh, FieldPrecision::Single).unwrap();
+    let short = [VtuField {
+        name: "velocity",
+        components: 3,
+        values: &[0.0; 3],
+    }];
+    assert!(matches!(
+        writer.write(&file, 0.0, &short, &[]),
+        Err(IoError::Length { what, found: 3, .. }) if what == "velocity"
+    ));
+    let mut values = vec![0.0; mesh.node_count()];
+    values[5] = f64::INFINITY;
+    let infinite = [VtuField {
+        name: "speed",
+        components: 1,
+        values: &values,
+    }];
+    assert!(matches!(
+        writer.write(&file, 0.0, &infinite, &[]),
+        Err(IoError::NotFinite { what, place: 5, .. }) if what == "speed"
+    ));
+    assert!(!file.exists());
+}
