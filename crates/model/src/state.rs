@@ -26,6 +26,9 @@ pub struct State {
     pub displacement: Vec<Vec3>,
     /// Velocity half a step before `time` (m/s), one per mesh node.
     pub velocity: Vec<Vec3>,
+    /// Displacement (m) from which the springs of boundaries are measured, one per mesh node; empty
+    /// where it is zero.
+    pub spring_origin: Vec<Vec3>,
     /// Mean initial stress per element (Pa); empty where there is none.
     pub initial_stress: Vec<Stress>,
     /// History variables of the laws.

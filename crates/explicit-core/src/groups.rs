@@ -1,0 +1,201 @@
+//! Nodes that need more than a mass: impedances, supports, prescribed motion, ties, constraints.
+
+use core::ops::Range;
+
+use powerhouse_model::{MassDampingRule, Mat3, Vec3};
+
+use rayon::prelude::*;
+
+use crate::gather::{CHUNK, SlotTable};
+use crate::nodes::{NodalArrays, Storage};
+use crate::support::Condition;
+
+/// What a group of nodes that move as one has. Most groups have one member.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Group {
+    /// Engine nodes, the lead first.
+    pub(crate) members: Vec<u32>,
+    /// Mass (kg).
+    pub(crate) mass: f64,
+    /// Mass damping (kg/s).
+    pub(crate) mass_damping: f64,
+    /// Dashpot to the ground (N s/m).
+    pub(crate) dashpot: Mat3,
+    /// Spring to the ground (N/m).
+    pub(crate) spring: Mat3,
+    /// Directions in which the motion is held or prescribed.
+    pub(crate) condition: Condition,
+}
+
+/// The matrices of one step, `A = M + dt/2 C + dt^2/4 K`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Coefficients {
+    /// New velocity per old velocity: `P (M - dt/2 C + dt^2/4 K)`.
+    pub(crate) carry: Mat3,
+    /// `P`, the inverse of `A` in the free directions, zero in the held ones (1/kg).
+    pub(crate) inverse: Mat3,
+    /// Velocity along the condition's directions to the velocity of the node.
+    pub(crate) lift: Mat3,
+}
+
+impl Group {
+    /// Effective mass `A` and the factor of the old velocity (kg).
+    pub(crate) fn effective(&self, rule: MassDampingRule, step: f64) -> (Mat3, Mat3) {
+        let spring = self.spring * (0.25 * step * step);
+        let half = self.dashpot * (0.5 * step);
+        let mass = Mat3::identity() * self.mass;
+        let damping = Mat3::identity() * (self.mass_damping * step);
+        match rule {
+            MassDampingRule::Implicit => (
+                mass + half + damping * 0.5 + spring,
+                mass - half - damping * 0.5 + spring,
+            ),
+            MassDampingRule::Lagged => (mass + half + spring, mass - half - damping + spring),
+        }
+    }
+
+    fn coefficients(&self, rule: MassDampingRule, step: f64) -> Coefficients {
+        let (effective, old) = self.effective(rule, step);
+        // Symmetric positive definite: mass is positive, damping and spring are not negative.
+        let inverse = effective.try_inverse().unwrap_or_else(Mat3::zeros);
+        let (inverse, lift) = self.condition.project(&inverse);
+        Coefficients {
+            carry: inverse * old,
+            inverse,
+            lift,
+        }
+    }
+}
+
+/// What the pass over all nodes needs to know of the groups.
+#[derive(Default)]
+pub(crate) struct GroupMotion {
+    /// Node and group, in rising order of nodes.
+    members: Vec<(u32, u32)>,
+    /// Members in each chunk of nodes.
+    chunks: Vec<Range<u32>>,
+    /// Velocity before the step (m/s), by group.
+    pub(crate) previous: Vec<Vec3>,
+    /// Velocity after the step (m/s), by group.
+    pub(crate) next: Vec<Vec3>,
+}
+
+impl GroupMotion {
+    fn new(groups: &[Group], node_count: usize) -> Self {
+        let mut members: Vec<(u32, u32)> = groups
+            .iter()
+            .enumerate()
+            .flat_map(|(g, group)| group.members.iter().map(move |&node| (node, g as u32)))
+            .collect();
+        members.sort_unstable();
+        let bound = |node: usize| members.partition_point(|&(n, _)| (n as usize) < node) as u32;
+        let chunks = (0..node_count.div_ceil(CHUNK))
+            .map(|chunk| bound(chunk * CHUNK)..bound((chunk + 1) * CHUNK))
+            .collect();
+        Self {
+            chunks,
+            members,
+            previous: vec![Vec3::zeros(); groups.len()],
+            next: vec![Vec3::zeros(); groups.len()],
+        }
+    }
+
+    /// Node and group of the members in a chunk of nodes.
+    #[inline]
+    pub(crate) fn members_in(&self, chunk: usize) -> &[(u32, u32)] {
+        let range = &self.chunks[chunk];
+        &self.members[range.start as usize..range.end as usize]
+    }
+}
+
+/// All groups of a model, with the matrices of the step in use.
+#[derive(Default)]
+pub(crate) struct Groups {
+    pub(crate) groups: Vec<Group>,
+    pub(crate) motion: GroupMotion,
+    pub(crate) coefficients: Vec<Coefficients>,
+    /// Displacement (m) from which the springs are measured.
+    pub(crate) origin: Vec<Vec3>,
+    /// Groups with a prescribed motion.
+    pub(crate) driven: Vec<u32>,
+}
+
+impl Groups {
+    pub(crate) fn new(groups: Vec<Group>, node_count: usize) -> Self {
+        Self {
+            motion: GroupMotion::new(&groups, node_count),
+            coefficients: Vec::new(),
+            origin: vec![Vec3::zeros(); groups.len()],
+            driven: (0..groups.len() as u32)
+                .filter(|&g| !groups[g as usize].condition.prescribed.is_empty())
+                .collect(),
+            groups,
+        }
+    }
+
+    /// Prepares the matrices of a step.
+    pub(crate) fn prepare(&mut self, rule: MassDampingRule, step: f64) {
+        self.coefficients = self
+            .groups
+            .par_iter()
+            .map(|group| group.coefficients(rule, step))
+            .collect();
+    }
+
+    /// Predicts the velocity of every group from the forces on it.
+    pub(crate) fn kick<S: Storage>(
+        &mut self,
+        arrays: &NodalArrays<S>,
+        slots: &SlotTable,
+        applied: impl Fn(usize) -> Vec3 + Sync,
+        step: f64,
+    ) {
+        let Self {
+            groups,
+            motion,
+            coefficients,
+            origin,
+            ..
+        } = self;
+        motion
+            .next
+            .par_iter_mut()
+            .zip(&mut motion.previous)
+            .enumerate()
+            .with_min_len(64)
+            .for_each(|(g, (next, previous))| {
+                let (group, matrices) = (&groups[g], &coefficients[g]);
+                let lead = group.members[0] as usize;
+                let mut force = applied(g);
+                for &node in &group.members {
+                    force -= arrays.internal(slots, node as usize);
+                }
+                let stretch = arrays.displacement[lead].to_vector() - origin[g];
+                force -= group.spring * stretch;
+                *previous = arrays.velocity[lead].to_vector();
+                *next = matrices.carry * *previous + matrices.inverse * (force * step);
+            });
+    }
+
+    /// Adds the prescribed motion: `displacement` gives the value of each motion (m) at the end
+    /// of the step, `present` the displacement of a node now.
+    pub(crate) fn drive(
+        &mut self,
+        displacement: &[f64],
+        present: impl Fn(usize) -> Vec3,
+        step: f64,
+    ) {
+        for &g in &self.driven {
+            let group = &self.groups[g as usize];
+            let here = present(group.members[0] as usize);
+            let velocities: Vec<f64> = group
+                .condition
+                .prescribed
+                .iter()
+                .map(|&(direction, motion)| (displacement[motion] - direction.dot(&here)) / step)
+                .collect();
+            let target = group.condition.target(&velocities);
+            self.motion.next[g as usize] += self.coefficients[g as usize].lift * target;
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Pressure and traction on faces.
+
+use std::collections::BTreeMap;
+
+use powerhouse_model::{Facet, Mesh, NodalLoad, ParameterError, TimeFunction, Vec3};
+
+/// How a pressure or traction varies over a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Profile {
+    /// The same everywhere.
+    Uniform,
+    /// Linear in depth below a horizontal level, `gradient * (level - z)`, and zero above it: the
+    /// pressure of standing water has the gradient `rho g`.
+    Depth {
+        /// Increase per metre of depth (1/m, so that profile times reference value is a stress;
+        /// Pa/m if the reference value is one).
+        gradient: f64,
+        /// Height of the level (m).
+        level: f64,
+    },
+}
+
+impl Profile {
+    /// The pressure of standing water below `level` (m): `rho g` with 1000 kg/m3 and 9.81 m/s2.
+    pub fn water(level: f64) -> Self {
+        Self::Depth {
+            gradient: 9810.0,
+            level,
+        }
+    }
+    fn at(&self, position: &Vec3) -> f64 {
+        match *self {
+            Self::Uniform => 1.0,
+            Self::Depth { gradient, level } => gradient * (level - position.z).max(0.0),
+        }
+    }
+    fn check(&self) -> Result<(), ParameterError> {
+        if let Self::Depth { gradient, level } = *self {
+            ParameterError::check("gradient", gradient, f64::MIN, f64::MAX)?;
+            ParameterError::check("level", level, f64::MIN, f64::MAX)?;
+        }
+        Ok(())
+    }
+}
+
+/// Nodes with the forces that a unit history makes.
+#[derive(Debug, Default)]
+struct Shares {
+    nodes: Vec<u32>,
+    forces: Vec<Vec3>,
+}
+
+impl Shares {
+    /// `integral of N_a t dA` over facets, by Gauss points; `traction` takes a position and the
+    /// outward vector area.
+    fn integrate(mesh: &Mesh, facets: &[Facet], traction: impl Fn(&Vec3, Vec3) -> Vec3) -> Self {
+        let mut sums: BTreeMap<u32, Vec3> = BTreeMap::new();
+        for &facet in facets {
+            let of_element = mesh.nodes_of(facet.element);
+            let side = mesh.kind(facet.element).sides()[facet.side as usize];
+            let nodes: Vec<u32> = side.iter().map(|&i| of_element[i as usize]).collect();
+            let corners: Vec<Vec3> = nodes
+                .iter()
+                .map(|&n| mesh.positions()[n as usize])
+                .collect();
+            for (shape, area) in gauss_points(&corners) {
+                let position: Vec3 = corners.iter().zip(&shape).map(|(x, n)| x * *n).sum();
+                let force = traction(&position, area);
+                for (&node, share) in nodes.iter().zip(&shape) {
+                    *sums.entry(node).or_default() += force * *share;
+                }
+            }
+        }
+        let (nodes, forces) = sums.into_iter().unzip();
+        Self { nodes, forces }
+    }
+
+    fn add(&self, factor: f64, forces: &mut [Vec3]) {
+        for (force, share) in forces.iter_mut().zip(&self.forces) {
+            *force += share * factor;
+        }
+    }
+}
+
+/// Shape functions and outward vector area of the Gauss points of a triangle (three, exact to the
+/// second degree) or a quadrilateral (2 x 2, exact to the third in each direction).
+fn gauss_points(corners: &[Vec3]) -> Vec<(Vec<f64>, Vec3)> {
+    if corners.len() == 3 {
+        let area = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])) * 0.5;
+        let point = |i: usize| {
+            let mut shape = vec![1.0 / 6.0; 3];
+            shape[i] = 2.0 / 3.0;
+            (shape, area / 3.0)
+        };
+        return (0..3).map(point).collect();
+    }
+    const SIGNS: [(f64, f64); 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let g = 1.0 / 3.0_f64.sqrt();
+    SIGNS
+        .iter()
+        .map(|&(sr, ss)| {
+            let (r, s) = (sr * g, ss * g);
+            let shape: Vec<f64> = SIGNS
+                .iter()
+                .map(|(ra, sa)| 0.25 * (1.0 + ra * r) * (1.0 + sa * s))
+                .collect();
+            let (mut along_r, mut along_s) = (Vec3::zeros(), Vec3::zeros());
+            for (corner, (ra, sa)) in corners.iter().zip(SIGNS) {
+                along_r += corner * (0.25 * ra * (1.0 + sa * s));
+                along_s += corner * (0.25 * sa * (1.0 + ra * r));
+            }
+            (shape, along_r.cross(&along_s))
+        })
+        .collect()
+}
+
+/// A pressure on facets: it pushes against the outward normal.
+///
+/// ```
+/// use powerhouse_explicit_core::{FacePressure, Profile};
+/// use powerhouse_model::{ElementKind, Mesh, NodalLoad, Vec3};
+/// let mut builder = Mesh::builder();
+/// for (tag, corner) in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].iter().enumerate() {
+///     builder.node(tag as u64 + 1, Vec3::from(*corner));
+/// }
+/// builder.element(1, ElementKind::Tet4, &[1, 2, 3, 4], &["rock"]).facet("floor", &[1, 2, 3]);
+/// let mesh = builder.build()?;
+/// let mut load = FacePressure::new(&mesh, mesh.facet_set("floor")?, Profile::Uniform, Box::new(|_: f64| 6.0))?;
+/// let mut forces = vec![Vec3::zeros(); 3];
+/// load.add_forces(0.0, &mut forces);
+/// // The floor's outward normal points down, so the pressure pushes up: 6 Pa on 0.5 m2.
+/// assert!((forces[0].z - 1.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct FacePressure {
+    shares: Shares,
+    history: Box<dyn TimeFunction>,
+}
+
+impl FacePressure {
+    /// Profile times history is the pressure (Pa).
+    ///
+    /// # Errors
+    /// If a number of the profile is not finite.
+    ///
+    /// # Panics
+    /// If a facet does not belong to the mesh.
+    pub fn new(
+        mesh: &Mesh,
+        facets: &[Facet],
+        profile: Profile,
+        history: Box<dyn TimeFunction>,
+    ) -> Result<Self, ParameterError> {
+        profile.check()?;
+        Ok(Self {
+            shares: Shares::integrate(mesh, facets, |x, area| -area * profile.at(x)),
+            history,
+        })
+    }
+}
+
+impl NodalLoad for FacePressure {
+    fn name(&self) -> &str {
+        "face pressure"
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.shares.nodes
+    }
+    fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
+        self.shares.add(self.history.value(time), forces);
+    }
+}
+
+/// A traction of fixed direction on facets.
+pub struct FaceTraction {
+    shares: Shares,
+    history: Box<dyn TimeFunction>,
+}
+
+impl FaceTraction {
+    /// `traction` times profile times history is the force per area (Pa).
+    ///
+    /// # Errors
+    /// If a number of the profile is not finite.
+    ///
+    /// # Panics
+    /// If a facet does not belong to the mesh.
+    pub fn new(
+        mesh: &Mesh,
+        facets: &[Facet],
+        traction: Vec3,
+        profile: Profile,
+        history: Box<dyn TimeFunction>,
+    ) -> Result<Self, ParameterError> {
+        profile.check()?;
+        let of = |x: &Vec3, area: Vec3| traction * (area.norm() * profile.at(x));
+        Ok(Self {
+            shares: Shares::integrate(mesh, facets, of),
+            history,
+        })
+    }
+}
+
+impl NodalLoad for FaceTraction {
+    fn name(&self) -> &str {
+        "face traction"
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.shares.nodes
+    }
+    fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
+        self.shares.add(self.history.value(time), forces);
+    }
+}

@@ -1,0 +1,71 @@
+//! Forces at nodes, and weight.
+
+use powerhouse_model::{NodalLoad, TimeFunction, Vec3};
+
+/// The same force at every node of a list, times a function of time.
+pub struct NodalForce {
+    nodes: Vec<u32>,
+    force: Vec3,
+    history: Box<dyn TimeFunction>,
+}
+
+impl NodalForce {
+    /// `force` (N) at each of `nodes` (mesh indices), times `history`.
+    pub fn new(nodes: Vec<u32>, force: Vec3, history: Box<dyn TimeFunction>) -> Self {
+        Self {
+            nodes,
+            force,
+            history,
+        }
+    }
+}
+
+impl NodalLoad for NodalForce {
+    fn name(&self) -> &str {
+        "nodal force"
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
+        let now = self.force * self.history.value(time);
+        for force in forces {
+            *force += now;
+        }
+    }
+}
+
+/// Lumped mass times acceleration.
+pub(crate) struct Weight {
+    nodes: Vec<u32>,
+    mass: Vec<f64>,
+    acceleration: Vec3,
+    history: Box<dyn TimeFunction>,
+}
+
+impl Weight {
+    /// From the masses (kg) of the first nodes of the mesh.
+    pub(crate) fn new(mass: Vec<f64>, acceleration: Vec3, history: Box<dyn TimeFunction>) -> Self {
+        Self {
+            nodes: (0..mass.len() as u32).collect(),
+            mass,
+            acceleration,
+            history,
+        }
+    }
+}
+
+impl NodalLoad for Weight {
+    fn name(&self) -> &str {
+        "weight"
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
+        let now = self.acceleration * self.history.value(time);
+        for (force, mass) in forces.iter_mut().zip(&self.mass) {
+            *force += now * *mass;
+        }
+    }
+}

@@ -1,0 +1,427 @@
+//! From a mesh and what the user says about it to a model.
+
+use std::sync::Arc;
+
+use powerhouse_model::{
+    BoundaryParts, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad, Numbering,
+    TimeFunction, Vec3,
+};
+use rayon::prelude::*;
+
+use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
+use super::{Bound, Model};
+use crate::applied::AppliedLoads;
+use crate::gather::{Gather, SlotTable};
+use crate::groups::Groups;
+use crate::loads::Weight;
+use crate::nodes::{NodalArrays, Nodes};
+use crate::partition::partition;
+use crate::{BlockFactory, BlockPart, EngineError, PeriodicPairs, Precision, Prescribed, Support};
+
+/// Which elements: a named set, or mesh indices.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ElementChoice {
+    /// A named element set of the mesh.
+    Set(String),
+    /// Mesh indices.
+    Elements(Vec<u32>),
+}
+
+impl From<&str> for ElementChoice {
+    fn from(name: &str) -> Self {
+        Self::Set(name.into())
+    }
+}
+impl From<Vec<u32>> for ElementChoice {
+    fn from(elements: Vec<u32>) -> Self {
+        Self::Elements(elements)
+    }
+}
+
+/// Elements per block: large enough that few nodes lie between blocks, small enough that a block's
+/// forces stay in the second-level cache and that every thread finds work.
+const DEFAULT_PART: usize = 1024;
+
+/// Collects what a [`Model`] is made of; all of it is checked in [`build`](Self::build).
+pub struct ModelBuilder<'a> {
+    mesh: &'a Mesh,
+    sets: Vec<ElementSet>,
+    supports: Vec<Support>,
+    periodic: Vec<PeriodicPairs>,
+    prescribed: Vec<Prescribed>,
+    loads: Vec<Box<dyn NodalLoad>>,
+    weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
+    boundaries: Vec<BoundaryParts>,
+    constraints: Vec<Box<dyn Constraint>>,
+    threads: Option<usize>,
+    part_size: usize,
+}
+
+impl<'a> ModelBuilder<'a> {
+    pub(super) fn new(mesh: &'a Mesh) -> Self {
+        Self {
+            mesh,
+            sets: Vec::new(),
+            supports: Vec::new(),
+            periodic: Vec::new(),
+            prescribed: Vec::new(),
+            loads: Vec::new(),
+            weights: Vec::new(),
+            boundaries: Vec::new(),
+            constraints: Vec::new(),
+            threads: None,
+            part_size: DEFAULT_PART,
+        }
+    }
+    /// Elements, by set or by mesh index, and what computes them. Every element of the mesh must
+    /// be given once.
+    #[must_use]
+    pub fn elements(
+        mut self,
+        choice: impl Into<ElementChoice>,
+        factory: Box<dyn BlockFactory>,
+    ) -> Self {
+        self.sets.push((choice.into(), factory));
+        self
+    }
+    /// Nodes that are held.
+    #[must_use]
+    pub fn support(mut self, support: Support) -> Self {
+        self.supports.push(support);
+        self
+    }
+    /// Nodes that move as one.
+    #[must_use]
+    pub fn periodic(mut self, pairs: PeriodicPairs) -> Self {
+        self.periodic.push(pairs);
+        self
+    }
+    /// Nodes whose motion is given.
+    #[must_use]
+    pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
+        self.prescribed.push(prescribed);
+        self
+    }
+    /// A load.
+    #[must_use]
+    pub fn load(mut self, load: Box<dyn NodalLoad>) -> Self {
+        self.loads.push(load);
+        self
+    }
+    /// Weight: lumped mass times an acceleration (m/s2) times a function of time.
+    #[must_use]
+    pub fn gravity(mut self, acceleration: Vec3, history: Box<dyn TimeFunction>) -> Self {
+        self.weights.push((acceleration, history));
+        self
+    }
+    /// Springs, dashpots, loads and blocks of a boundary.
+    #[must_use]
+    pub fn boundary(mut self, parts: BoundaryParts) -> Self {
+        self.boundaries.push(parts);
+        self
+    }
+    /// A condition that corrects predicted velocities.
+    #[must_use]
+    pub fn constraint(mut self, constraint: Box<dyn Constraint>) -> Self {
+        self.constraints.push(constraint);
+        self
+    }
+    /// Computes with this many threads of the model's own instead of all; the results have the
+    /// same bits.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = Some(threads);
+        self
+    }
+    /// Elements per block, at least one. Bits of results depend on it.
+    #[must_use]
+    pub fn part_size(mut self, elements: usize) -> Self {
+        self.part_size = elements.max(1);
+        self
+    }
+
+    /// Checks everything and makes the model.
+    ///
+    /// # Errors
+    /// An [`EngineError`] (as the source of [`ModelError::Refused`]) names the node, element or
+    /// set; a factory's own error comes through as it is.
+    pub fn build(self) -> Result<Model, ModelError> {
+        let pool = match self.threads {
+            Some(threads) => Some(start_threads(threads)?),
+            None => None,
+        };
+        let mesh = self.mesh;
+        let single = single_precision(&self.sets)?;
+        let (mut numbering, mut blocks) = build_blocks(mesh, &self.sets, self.part_size)?;
+        let place_of_element = places(mesh, &blocks);
+        let mut boundary_loads = Vec::new();
+        let mut impedance = Vec::new();
+        for parts in self.boundaries {
+            let (numbers, extra) = build_extra(&mut numbering, mesh.node_count(), parts.blocks);
+            blocks.extend(extra);
+            for item in parts.impedance {
+                let node = engine_node("a boundary", item.node, &numbers)?;
+                impedance.push((node, item));
+            }
+            for load in parts.loads {
+                boundary_loads.push(with_engine_nodes(load, &numbers, mesh)?);
+            }
+        }
+        let node_count = numbering.mesh_of.len();
+        let slots = slot_table(&blocks, node_count)?;
+        let (mass, mass_damping) = lumped(mesh, &numbering, &blocks)?;
+
+        let numbers = numbering.engine_of[..mesh.node_count()].to_vec();
+        let mut loads = Vec::new();
+        for load in self.loads {
+            loads.push(with_engine_nodes(load, &numbers, mesh)?);
+        }
+        for (acceleration, history) in self.weights {
+            let of_mesh = numbers.iter().map(|&n| mass[n as usize]).collect();
+            let weight = Box::new(Weight::new(of_mesh, acceleration, history));
+            loads.push(with_engine_nodes(weight, &numbers, mesh)?);
+        }
+        loads.append(&mut boundary_loads);
+
+        let mut plan = GroupPlan::new(mesh, &numbering, node_count);
+        for pairs in &self.periodic {
+            plan.tie(pairs)?;
+        }
+        for (node, item) in &impedance {
+            plan.impede(*node, item)?;
+        }
+        for support in &self.supports {
+            plan.hold(support)?;
+        }
+        for (motion, prescribed) in self.prescribed.iter().enumerate() {
+            plan.drive(prescribed, motion)?;
+        }
+        let constrained = plan.constrain(&self.constraints)?;
+        let (groups, group_of) = plan.finish(&mass, &mass_damping);
+        let groups = Groups::new(groups, node_count);
+        let constraints = self
+            .constraints
+            .into_iter()
+            .zip(constrained)
+            .map(|(constraint, nodes)| bind(constraint, nodes, &group_of))
+            .collect();
+
+        let loads = AppliedLoads::new(loads, &group_of, groups.groups.len());
+        let with_external = loads.sums.on_plain_nodes();
+        let nodes = if single {
+            Nodes::F32(NodalArrays::new(node_count, slots.len(), with_external))
+        } else {
+            Nodes::F64(NodalArrays::new(node_count, slots.len(), with_external))
+        };
+        Ok(Model {
+            mesh: mesh.clone(),
+            lengths: blocks.iter().map(|block| block.nodes().len()).collect(),
+            gather: Gather::new(&slots),
+            numbering,
+            blocks,
+            slots,
+            nodes,
+            mass,
+            mass_damping,
+            group_of,
+            groups,
+            loads,
+            prescribed: self
+                .prescribed
+                .into_iter()
+                .map(|p| p.displacement)
+                .collect(),
+            constraints,
+            initial_stress: Vec::new(),
+            time: 0.0,
+            number: 0,
+            prepared: None,
+            kicked: false,
+            uncommitted: false,
+            ledger: false,
+            speed_limit: f64::MAX,
+            fault: None,
+            place_of_element,
+            spectrum: None,
+            pool,
+        })
+    }
+}
+
+type ElementSet = (ElementChoice, Box<dyn BlockFactory>);
+
+/// Numbers the nodes and makes the blocks.
+fn build_blocks(
+    mesh: &Mesh,
+    sets: &[ElementSet],
+    part_size: usize,
+) -> Result<(Numbering, Vec<Box<dyn ElementBlock>>), ModelError> {
+    let mut lists: Vec<&[u32]> = Vec::new();
+    let labels: Vec<&str> = sets.iter().map(|(_, f)| f.label()).collect();
+    for (choice, _) in sets {
+        lists.push(match choice {
+            ElementChoice::Set(name) => mesh.element_set(name)?,
+            ElementChoice::Elements(elements) => elements,
+        });
+    }
+    let division = partition(mesh, &labels, &lists, part_size)?;
+    for (elements, (_, factory)) in lists.iter().zip(sets) {
+        let other = elements.iter().find(|&&e| mesh.kind(e) != factory.kind());
+        if let Some(&element) = other {
+            return Err(EngineError::ElementKind {
+                element: mesh.element_tags()[element as usize],
+                set: factory.label().into(),
+                found: mesh.kind(element).name(),
+                expected: factory.kind().name(),
+            }
+            .into());
+        }
+    }
+    let blocks: Result<Vec<_>, ModelError> = division
+        .parts
+        .par_iter()
+        .map(|part| {
+            let (elements, nodes) = (&part.elements, &part.nodes);
+            let part_of_mesh = BlockPart::new(mesh, elements, &division.numbering, nodes);
+            sets[part.set].1.build(&part_of_mesh)
+        })
+        .collect();
+    Ok((division.numbering, blocks?))
+}
+
+/// Whether the nodes are kept in single precision.
+fn single_precision(sets: &[ElementSet]) -> Result<bool, EngineError> {
+    let single = |f: &dyn BlockFactory| f.options().precision == Precision::F32;
+    let of = |wanted: bool| {
+        let mut factories = sets.iter().map(|(_, factory)| factory.as_ref());
+        factories.find(|f| single(*f) == wanted).map(|f| f.label())
+    };
+    match (of(false), of(true)) {
+        (Some(double), Some(single)) => Err(EngineError::MixedNodes {
+            first: double.into(),
+            second: single.into(),
+        }),
+        (_, one) => Ok(one.is_some()),
+    }
+}
+
+fn start_threads(threads: usize) -> Result<Arc<rayon::ThreadPool>, EngineError> {
+    let refused = EngineError::Threads { threads };
+    if threads == 0 {
+        return Err(refused);
+    }
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map(Arc::new)
+        .map_err(|_| refused)
+}
+
+/// Numbers the additional nodes of one boundary and makes its blocks. In the numbering that they
+/// see, and in the boundary's other parts, the additional nodes follow those of the mesh.
+fn build_extra(
+    numbering: &mut Numbering,
+    mesh_nodes: usize,
+    blocks: Vec<powerhouse_model::ExtraBlock>,
+) -> (Vec<u32>, Vec<Box<dyn ElementBlock>>) {
+    let mut seen = Numbering {
+        engine_of: numbering.engine_of[..mesh_nodes].to_vec(),
+        mesh_of: Vec::new(),
+    };
+    for _ in blocks.iter().flat_map(|block| &block.nodes) {
+        let engine = numbering.mesh_of.len() as u32;
+        seen.engine_of.push(engine);
+        numbering.mesh_of.push(numbering.engine_of.len() as u32);
+        numbering.engine_of.push(engine);
+    }
+    seen.mesh_of = numbering.mesh_of.clone();
+    let built = blocks.into_iter().map(|b| (b.build)(&seen)).collect();
+    (seen.engine_of, built)
+}
+
+fn with_engine_nodes(
+    load: Box<dyn NodalLoad>,
+    numbers: &[u32],
+    mesh: &Mesh,
+) -> Result<(Box<dyn NodalLoad>, Vec<u32>), EngineError> {
+    let part = format!("load '{}'", load.name());
+    let nodes = engine_nodes(&part, load.nodes(), numbers, mesh)?;
+    Ok((load, nodes))
+}
+
+fn slot_table(
+    blocks: &[Box<dyn ElementBlock>],
+    node_count: usize,
+) -> Result<SlotTable, EngineError> {
+    for block in blocks {
+        let outside = block.nodes().iter().find(|&&n| n as usize >= node_count);
+        if let Some(&node) = outside {
+            return Err(EngineError::BlockNode {
+                set: block.label().into(),
+                node,
+            });
+        }
+    }
+    Ok(SlotTable::new(
+        node_count,
+        blocks.iter().map(|block| block.nodes()),
+    ))
+}
+
+/// Block of each mesh element, and its place in the block.
+fn places(mesh: &Mesh, blocks: &[Box<dyn ElementBlock>]) -> Vec<(u32, u32)> {
+    let mut places = vec![(0, 0); mesh.element_count()];
+    for (b, block) in blocks.iter().enumerate() {
+        for (place, &element) in block.elements().iter().enumerate() {
+            if let Some(entry) = places.get_mut(element as usize) {
+                *entry = (b as u32, place as u32);
+            }
+        }
+    }
+    places
+}
+
+/// Mass (kg) and mass damping (kg/s, empty if there is none) of every engine node.
+fn lumped(
+    mesh: &Mesh,
+    numbering: &Numbering,
+    blocks: &[Box<dyn ElementBlock>],
+) -> Result<(Vec<f64>, Vec<f64>), EngineError> {
+    let count = numbering.mesh_of.len();
+    let (mut mass, mut damping) = (vec![0.0; count], vec![0.0; count]);
+    for block in blocks {
+        let mut of_block = vec![0.0; block.nodes().len()];
+        block.add_mass(&mut of_block);
+        for (&node, m) in block.nodes().iter().zip(of_block) {
+            mass[node as usize] += m;
+            damping[node as usize] += m * block.mass_damping();
+        }
+    }
+    let without = mass.iter().position(|&m| !(m.is_finite() && m > 0.0));
+    if let Some(node) = without {
+        return Err(EngineError::NodeWithoutMass {
+            node: tag(mesh, numbering.mesh_of[node]),
+            mass: mass[node],
+        });
+    }
+    if damping.iter().all(|&c| c == 0.0) {
+        damping.clear();
+    }
+    Ok((mass, damping))
+}
+
+fn bind(constraint: Box<dyn Constraint>, nodes: Vec<u32>, group_of: &[Option<u32>]) -> Bound {
+    let count = nodes.len();
+    Bound {
+        constraint,
+        groups: nodes
+            .iter()
+            .filter_map(|&node| group_of[node as usize])
+            .collect(),
+        nodes,
+        displacement: vec![Vec3::zeros(); count],
+        previous: vec![Vec3::zeros(); count],
+        velocity: vec![Vec3::zeros(); count],
+        inverse_mass: vec![Mat3::zeros(); count],
+    }
+}

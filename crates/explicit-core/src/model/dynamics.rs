@@ -1,0 +1,249 @@
+//! The operations of a step.
+
+use powerhouse_model::{
+    BlockContext, Dynamics, ForceTerms, MassDampingRule, NodalViewMut, PredictedMotion, RunError,
+    Vec3,
+};
+use rayon::prelude::*;
+
+use super::Model;
+use crate::nodes::{NodalArrays, Storage, with_nodes};
+
+/// Cuts the force buffer into those of the blocks.
+pub(crate) fn split<'a, S: Storage>(
+    forces: &'a mut [powerhouse_model::Quad<S>],
+    lengths: &[usize],
+) -> Vec<NodalViewMut<'a>> {
+    let mut rest = forces;
+    lengths
+        .iter()
+        .map(|&length| {
+            let (own, others) = core::mem::take(&mut rest).split_at_mut(length);
+            rest = others;
+            S::view_mut(own)
+        })
+        .collect()
+}
+
+impl Dynamics for Model {
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn forces(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
+        self.in_pool(|model| {
+            model.settle();
+            match model.fault.take() {
+                Some(fault) => Err(fault),
+                None => model.evaluate(terms, step),
+            }
+        })
+    }
+
+    fn kick(&mut self, rule: MassDampingRule, step: f64) -> Result<(), RunError> {
+        self.in_pool(|model| {
+            model.settle();
+            model.prepare(rule, step);
+            model.predict(step);
+            model.kicked = true;
+        });
+        Ok(())
+    }
+
+    fn constrain(&mut self, step: f64) -> Result<(), RunError> {
+        self.in_pool(|model| model.correct(step))
+    }
+
+    fn drift(&mut self, step: f64) {
+        self.in_pool(|model| {
+            if model.kicked {
+                model.kicked = false;
+                model.advance::<true>(step);
+            } else {
+                with_nodes!(&mut model.nodes, arrays => arrays.drift(step));
+            }
+            model.time += step;
+            model.number += 1;
+        });
+    }
+}
+
+impl Model {
+    /// Carries out a kick that still waits for its drift.
+    pub(crate) fn settle(&mut self) {
+        if self.kicked {
+            self.kicked = false;
+            self.advance::<false>(0.0);
+        }
+    }
+
+    /// Commits what the blocks computed last.
+    pub(crate) fn commit(&mut self) {
+        if self.uncommitted {
+            self.uncommitted = false;
+            self.blocks.par_iter_mut().for_each(|block| block.commit());
+        }
+    }
+
+    fn evaluate(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
+        let commit = self.uncommitted;
+        let Self {
+            nodes,
+            blocks,
+            loads,
+            lengths,
+            time,
+            number,
+            ledger,
+            ..
+        } = self;
+        let when = (*number, *time, step);
+        let fault = with_nodes!(nodes, arrays => {
+            let NodalArrays { displacement, velocity, forces, external, .. } = arrays;
+            let context = BlockContext::new(
+                when,
+                Storage::view(displacement),
+                Storage::view(velocity),
+            )
+            .with_damping_shift(terms.damping_shift)
+            .with_ledger(*ledger);
+            let buffers = split(forces, lengths);
+            let (fault, ()) = rayon::join(
+                || {
+                    blocks
+                        .par_iter_mut()
+                        .zip(buffers)
+                        .with_max_len(1)
+                        .find_map_first(|(block, buffer)| {
+                            // The history of the last step becomes the old one on the way, while
+                            // the block is in the cache.
+                            if commit {
+                                block.commit();
+                            }
+                            let fault = block.forces(&context, buffer).err()?;
+                            Some((block.label().to_string(), fault))
+                        })
+                },
+                || loads.evaluate(when.1),
+            );
+            loads.sums.write_plain(external);
+            fault
+        });
+        self.uncommitted = true;
+        match fault {
+            None => Ok(()),
+            Some((set, fault)) => Err(RunError::Element {
+                element: self.element_tag(fault.element),
+                set,
+                step: self.number,
+                reason: fault.reason,
+            }),
+        }
+    }
+
+    /// Makes the coefficients of a step, if they are not those in use.
+    fn prepare(&mut self, rule: MassDampingRule, step: f64) {
+        if self.prepared == Some((rule, step)) {
+            return;
+        }
+        self.prepared = Some((rule, step));
+        self.groups.prepare(rule, step);
+        let (mut gain, mut decay) = (Vec::new(), Vec::new());
+        for (node, mass) in self.mass.iter().enumerate() {
+            let grouped = self.group_of[node].is_some();
+            let damping = self.mass_damping.get(node).copied().unwrap_or(0.0) * step;
+            let (effective, old) = match rule {
+                MassDampingRule::Implicit => (mass + 0.5 * damping, mass - 0.5 * damping),
+                MassDampingRule::Lagged => (*mass, mass - damping),
+            };
+            gain.push(if grouped { 0.0 } else { step / effective });
+            if !self.mass_damping.is_empty() {
+                decay.push(if grouped { 1.0 } else { old / effective });
+            }
+        }
+        with_nodes!(&mut self.nodes, arrays => arrays.set_coefficients(&gain, &decay));
+    }
+
+    /// Predicts the velocity of the groups.
+    fn predict(&mut self, step: f64) {
+        let end = self.time + step;
+        let motions: Vec<f64> = self.prescribed.iter().map(|f| f.value(end)).collect();
+        let (groups, slots, sums) = (&mut self.groups, &self.slots, &self.loads.sums);
+        with_nodes!(&self.nodes, arrays => {
+            groups.kick(arrays, slots, |group| sums.on_group(group), step);
+            groups.drive(&motions, |node| arrays.displacement[node].to_vector(), step);
+        });
+    }
+
+    /// Lets the constraints correct the predicted velocities.
+    fn correct(&mut self, step: f64) -> Result<(), RunError> {
+        let Self {
+            constraints,
+            groups,
+            nodes,
+            ..
+        } = self;
+        for bound in constraints {
+            with_nodes!(&*nodes, arrays => {
+                for (i, &node) in bound.nodes.iter().enumerate() {
+                    bound.displacement[i] = arrays.displacement[node as usize].to_vector();
+                }
+            });
+            for (i, &group) in bound.groups.iter().enumerate() {
+                let group = group as usize;
+                bound.previous[i] = groups.motion.previous[group];
+                bound.velocity[i] = groups.motion.next[group];
+                bound.inverse_mass[i] = groups.coefficients[group].inverse;
+            }
+            bound.constraint.correct(PredictedMotion::new(
+                (self.number, self.time, step),
+                &bound.displacement,
+                &bound.previous,
+                &mut bound.velocity,
+                &bound.inverse_mass,
+            ))?;
+            for (&group, &velocity) in bound.groups.iter().zip(&bound.velocity) {
+                groups.motion.next[group as usize] = velocity;
+            }
+        }
+        Ok(())
+    }
+
+    fn advance<const DRIFT: bool>(&mut self, step: f64) {
+        let (gather, motion, limit) = (&self.gather, &self.groups.motion, self.speed_limit);
+        let sound = with_nodes!(&mut self.nodes, arrays => {
+            arrays.advance::<DRIFT>(gather, motion, step, limit)
+        });
+        if !sound && self.fault.is_none() {
+            self.fault = Some(self.divergence());
+        }
+    }
+
+    /// Names the fastest node, one that is no longer finite before all others.
+    fn divergence(&self) -> RunError {
+        let rank = |v: &Vec3| {
+            let speed = v.norm();
+            if speed.is_finite() {
+                speed
+            } else {
+                f64::INFINITY
+            }
+        };
+        let (mut worst, mut velocity) = (0, Vec3::zeros());
+        for node in 0..self.mass.len() {
+            let v = self.velocity_of(node);
+            if rank(&v) > rank(&velocity) {
+                (worst, velocity) = (node, v);
+            }
+        }
+        let (element, set) = self.element_at(worst);
+        RunError::Diverged {
+            step: self.number,
+            time: self.time,
+            element,
+            set,
+            node: self.node_tag(worst),
+            speed: velocity.norm(),
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! The model: blocks, nodes and what acts on them.
+
+mod builder;
+mod dynamics;
+mod motion;
+mod plan;
+
+use std::sync::Arc;
+
+use powerhouse_model::{
+    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Numbering, RunError, TimeFunction, Vec3,
+};
+
+use crate::applied::AppliedLoads;
+use crate::gather::{Gather, SlotTable};
+use crate::groups::Groups;
+use crate::nodes::Nodes;
+use crate::stable_step::Spectrum;
+
+pub use builder::{ElementChoice, ModelBuilder};
+pub(crate) use dynamics::split;
+
+/// A constraint with the places where it acts, and its buffers.
+struct Bound {
+    constraint: Box<dyn Constraint>,
+    /// Engine nodes, in the constraint's order.
+    nodes: Vec<u32>,
+    /// Their groups.
+    groups: Vec<u32>,
+    displacement: Vec<Vec3>,
+    previous: Vec<Vec3>,
+    velocity: Vec<Vec3>,
+    inverse_mass: Vec<Mat3>,
+}
+
+/// A body ready to be stepped: element blocks, nodes, supports, loads, boundaries, constraints.
+///
+/// Built by [`Model::builder`]; moved by [`run`](crate::run), or step by step by a
+/// [`TimeIntegrator`](powerhouse_model::TimeIntegrator) through its
+/// [`Dynamics`](powerhouse_model::Dynamics).
+pub struct Model {
+    pub(crate) mesh: Mesh,
+    numbering: Numbering,
+    pub(crate) blocks: Vec<Box<dyn ElementBlock>>,
+    /// Slots of each block in the force buffer.
+    pub(crate) lengths: Vec<usize>,
+    pub(crate) slots: SlotTable,
+    gather: Gather,
+    pub(crate) nodes: Nodes,
+    /// Lumped mass of each engine node (kg).
+    pub(crate) mass: Vec<f64>,
+    /// Mass damping of each engine node (kg/s); empty if there is none.
+    pub(crate) mass_damping: Vec<f64>,
+    /// Group of each engine node.
+    pub(crate) group_of: Vec<Option<u32>>,
+    pub(crate) groups: Groups,
+    pub(crate) loads: AppliedLoads,
+    prescribed: Vec<Box<dyn TimeFunction>>,
+    constraints: Vec<Bound>,
+    initial_stress: Vec<powerhouse_model::Stress>,
+    pub(crate) time: f64,
+    pub(crate) number: u64,
+    /// The rule and step that the matrices are made for.
+    prepared: Option<(MassDampingRule, f64)>,
+    /// A kick of the plain nodes that waits for the drift, with which it shares a pass.
+    kicked: bool,
+    /// Whether the blocks hold a history that is to be committed.
+    uncommitted: bool,
+    /// Whether the blocks account for their energies.
+    pub(crate) ledger: bool,
+    /// Bound on each component of velocity (m/s).
+    pub(crate) speed_limit: f64,
+    /// What the last pass found.
+    pub(crate) fault: Option<RunError>,
+    /// Block of each mesh element, and place in it.
+    pub(crate) place_of_element: Vec<(u32, u32)>,
+    /// What is known of the spectrum.
+    pub(crate) spectrum: Option<Spectrum>,
+    pool: Option<Arc<rayon::ThreadPool>>,
+}
+
+impl core::fmt::Debug for Model {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Model")
+            .field("nodes", &self.mass.len())
+            .field("blocks", &self.blocks.len())
+            .field("groups", &self.groups.groups.len())
+            .field("time", &self.time)
+            .field("number", &self.number)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Model {
+    /// Starts a model of a mesh.
+    pub fn builder(mesh: &Mesh) -> ModelBuilder<'_> {
+        ModelBuilder::new(mesh)
+    }
+    /// The mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+    /// Time of the displacement (s).
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+    /// Steps taken.
+    pub fn steps_taken(&self) -> u64 {
+        self.number
+    }
+    /// Lumped mass (kg) of a mesh node.
+    ///
+    /// # Panics
+    /// If the node is out of range.
+    pub fn mass(&self, node: u32) -> f64 {
+        self.mass[self.engine(node)]
+    }
+    /// Number of element blocks, the units of parallel work.
+    pub fn block_count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    pub(crate) fn engine(&self, node: u32) -> usize {
+        self.numbering.engine_of[node as usize] as usize
+    }
+
+    /// Runs work in the model's own threads, if it has any.
+    pub(crate) fn in_pool<R: Send>(&mut self, work: impl FnOnce(&mut Self) -> R + Send) -> R {
+        match self.pool.clone() {
+            Some(pool) if pool.current_thread_index().is_none() => pool.install(|| work(self)),
+            _ => work(self),
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! The motion of a model, in the mesh's numbering.
+
+use std::collections::BTreeMap;
+
+use powerhouse_model::{HistoryField, ModelError, Quad, State, Stress, Vec3};
+
+use super::Model;
+use crate::EngineError;
+use crate::nodes::with_nodes;
+
+impl Model {
+    /// Displacement (m) of a mesh node.
+    ///
+    /// # Panics
+    /// If the node is out of range, as the next.
+    pub fn displacement(&self, node: u32) -> Vec3 {
+        self.displacement_of(self.engine(node))
+    }
+    /// Velocity (m/s) of a mesh node, half a step before [`time`](Self::time).
+    pub fn velocity(&self, node: u32) -> Vec3 {
+        self.velocity_of(self.engine(node))
+    }
+    pub(crate) fn displacement_of(&self, node: usize) -> Vec3 {
+        with_nodes!(&self.nodes, arrays => arrays.displacement[node].to_vector())
+    }
+    pub(crate) fn velocity_of(&self, node: usize) -> Vec3 {
+        with_nodes!(&self.nodes, arrays => arrays.velocity[node].to_vector())
+    }
+    /// The user's number of an engine node; an additional node has its index.
+    pub(crate) fn node_tag(&self, node: usize) -> u64 {
+        let index = self.numbering.mesh_of[node];
+        let tags = self.mesh.node_tags();
+        tags.get(index as usize)
+            .copied()
+            .unwrap_or(u64::from(index))
+    }
+    /// The user's number of an element; an additional element has its index.
+    pub(crate) fn element_tag(&self, element: u32) -> u64 {
+        let tags = self.mesh.element_tags();
+        tags.get(element as usize)
+            .copied()
+            .unwrap_or(u64::from(element))
+    }
+}
+
+impl Model {
+    /// An element at a node, the one with the highest bound on its frequency, and its set.
+    pub(crate) fn element_at(&self, node: usize) -> (u64, String) {
+        let mesh_node = self.numbering.mesh_of[node];
+        let mut worst = (f64::NEG_INFINITY, 0, String::new());
+        for block in &self.blocks {
+            if !block.nodes().contains(&(node as u32)) {
+                continue;
+            }
+            for bound in block.frequency_bounds() {
+                let inside = (bound.element as usize) < self.mesh.element_count()
+                    && self.mesh.nodes_of(bound.element).contains(&mesh_node);
+                if inside && bound.frequency > worst.0 {
+                    worst = (
+                        bound.frequency,
+                        self.element_tag(bound.element),
+                        block.label().into(),
+                    );
+                }
+            }
+        }
+        (worst.1, worst.2)
+    }
+
+    /// Starts from a motion: displacement (m) at the present time and velocity (m/s) half a step
+    /// before it, one per mesh node. Components along supports are dropped from the velocity.
+    ///
+    /// # Errors
+    /// [`EngineError::State`] for a wrong length or a number that is not finite,
+    /// [`EngineError::TiedVelocity`] if nodes that move as one do not start as one.
+    pub fn set_initial(
+        &mut self,
+        displacement: &[Vec3],
+        velocity: &[Vec3],
+    ) -> Result<(), ModelError> {
+        let held: Vec<Vec3> = velocity
+            .iter()
+            .enumerate()
+            .map(|(node, &v)| {
+                let engine = self.numbering.engine_of.get(node);
+                let group = engine.and_then(|&engine| self.group_of[engine as usize]);
+                group.map_or(v, |g| self.groups.groups[g as usize].condition.released(v))
+            })
+            .collect();
+        self.put_motion(displacement, &held)
+    }
+
+    fn put_motion(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError> {
+        let (mesh_nodes, all) = (self.mesh.node_count(), self.mass.len());
+        for (what, values) in [("displacement", displacement), ("velocity", velocity)] {
+            let finite = values.iter().all(|v| v.iter().all(|x| x.is_finite()));
+            if (values.len() != mesh_nodes && values.len() != all) || !finite {
+                return Err(EngineError::State {
+                    what,
+                    found: values.len(),
+                    expected: mesh_nodes,
+                }
+                .into());
+            }
+        }
+        self.check_ties(velocity)?;
+        self.settle();
+        let engine_of = &self.numbering.engine_of;
+        with_nodes!(&mut self.nodes, arrays => {
+            arrays.displacement.fill(Quad::default());
+            arrays.velocity.fill(Quad::default());
+            for (&engine, u) in engine_of.iter().zip(displacement) {
+                arrays.displacement[engine as usize] = Quad::from_vector(u);
+            }
+            for (&engine, v) in engine_of.iter().zip(velocity) {
+                arrays.velocity[engine as usize] = Quad::from_vector(v);
+            }
+        });
+        Ok(())
+    }
+
+    fn check_ties(&self, velocity: &[Vec3]) -> Result<(), EngineError> {
+        let of = |engine: u32| {
+            let index = self.numbering.mesh_of[engine as usize] as usize;
+            velocity.get(index).copied().unwrap_or_default()
+        };
+        for group in &self.groups.groups {
+            let lead = group.members[0];
+            for &member in &group.members[1..] {
+                let scale = of(lead).norm().max(of(member).norm());
+                if (of(member) - of(lead)).norm() > 1e-9 * scale {
+                    return Err(EngineError::TiedVelocity {
+                        node: self.node_tag(member as usize),
+                        partner: self.node_tag(lead as usize),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the present displacement the one from which the springs of boundaries are measured:
+    /// the start of a stage.
+    pub fn begin_stage(&mut self) {
+        for g in 0..self.groups.groups.len() {
+            let lead = self.groups.groups[g].members[0] as usize;
+            self.groups.origin[g] = self.displacement_of(lead);
+        }
+    }
+
+    /// Everything that another model of the same mesh needs to go on, in the mesh's numbering;
+    /// additional nodes of boundaries follow those of the mesh.
+    pub fn state(&mut self) -> State {
+        self.settle();
+        self.commit();
+        let engine_of = &self.numbering.engine_of;
+        let engines = || engine_of.iter().map(|&engine| engine as usize);
+        let mut spring_origin = Vec::new();
+        if self.groups.origin.iter().any(|u| *u != Vec3::zeros()) {
+            spring_origin = engines()
+                .map(|engine| match self.group_of[engine] {
+                    Some(group) => self.groups.origin[group as usize],
+                    None => Vec3::zeros(),
+                })
+                .collect();
+        }
+        State {
+            time: self.time,
+            step: self.number,
+            displacement: engines()
+                .map(|engine| self.displacement_of(engine))
+                .collect(),
+            velocity: engines().map(|engine| self.velocity_of(engine)).collect(),
+            spring_origin,
+            initial_stress: self.initial_stress.clone(),
+            history: merged(self.blocks.iter().map(|b| (b.label(), b.history()))),
+        }
+    }
+
+    /// Goes on from a state. A run that is continued from the state of another one has the same
+    /// bits as if it had never been interrupted.
+    ///
+    /// # Errors
+    /// As [`set_initial`](Self::set_initial).
+    pub fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
+        let elements = self.mesh.element_count();
+        if !(state.initial_stress.is_empty() || state.initial_stress.len() == elements) {
+            return Err(EngineError::State {
+                what: "initial stress",
+                found: state.initial_stress.len(),
+                expected: elements,
+            }
+            .into());
+        }
+        self.put_motion(&state.displacement, &state.velocity)?;
+        self.commit();
+        (self.time, self.number) = (state.time, state.step);
+        for (g, group) in self.groups.groups.iter().enumerate() {
+            let lead = self.numbering.mesh_of[group.members[0] as usize] as usize;
+            self.groups.origin[g] = state.spring_origin.get(lead).copied().unwrap_or_default();
+        }
+        self.initial_stress.clone_from(&state.initial_stress);
+        for block in &mut self.blocks {
+            if !state.initial_stress.is_empty() {
+                let of_block = block.elements().iter();
+                let stress: Vec<Stress> = of_block
+                    .filter_map(|&e| state.initial_stress.get(e as usize).copied())
+                    .collect();
+                block.set_initial_stress(&stress);
+            }
+        }
+        let places = places_of(&state.history, elements);
+        for block in &mut self.blocks {
+            let fields = own_fields(&state.history, &places, block.elements());
+            block.set_history(&fields);
+        }
+        Ok(())
+    }
+}
+
+/// Joins the fields of blocks of one set.
+fn merged<'a>(blocks: impl Iterator<Item = (&'a str, Vec<HistoryField>)>) -> Vec<HistoryField> {
+    let mut place: BTreeMap<(String, String, usize), usize> = BTreeMap::new();
+    let mut all: Vec<HistoryField> = Vec::new();
+    for (label, fields) in blocks {
+        for field in fields {
+            let key = (label.to_string(), field.name.clone(), field.points);
+            match place.get(&key) {
+                Some(&at) => {
+                    all[at].elements.extend_from_slice(&field.elements);
+                    all[at].values.extend_from_slice(&field.values);
+                }
+                None => {
+                    place.insert(key, all.len());
+                    all.push(field);
+                }
+            }
+        }
+    }
+    all
+}
+
+/// For each field, the place of each mesh element in it.
+fn places_of(fields: &[HistoryField], elements: usize) -> Vec<Vec<Option<u32>>> {
+    fields
+        .iter()
+        .map(|field| {
+            let mut places = vec![None; elements];
+            for (place, &element) in field.elements.iter().enumerate() {
+                if let Some(entry) = places.get_mut(element as usize) {
+                    *entry = Some(place as u32);
+                }
+            }
+            places
+        })
+        .collect()
+}
+
+/// The part of each field that belongs to some elements.
+fn own_fields(
+    fields: &[HistoryField],
+    places: &[Vec<Option<u32>>],
+    elements: &[u32],
+) -> Vec<HistoryField> {
+    let mut own = Vec::new();
+    for (field, places) in fields.iter().zip(places) {
+        let mut part = HistoryField {
+            name: field.name.clone(),
+            elements: Vec::new(),
+            points: field.points,
+            values: Vec::new(),
+        };
+        for &element in elements {
+            let place = places.get(element as usize).copied().flatten();
+            let values = place.and_then(|place| {
+                let start = place as usize * field.points;
+                field.values.get(start..start + field.points)
+            });
+            if let Some(values) = values {
+                part.elements.push(element);
+                part.values.extend_from_slice(values);
+            }
+        }
+        if !part.elements.is_empty() {
+            own.push(part);
+        }
+    }
+    own
+}

@@ -1,0 +1,197 @@
+//! Which nodes need more than a mass, and which move as one.
+
+use std::collections::BTreeMap;
+
+use powerhouse_model::{Constraint, Mat3, Mesh, NodalImpedance, Numbering};
+
+use crate::groups::Group;
+use crate::support::unit;
+use crate::{EngineError, PeriodicPairs, Prescribed, Support};
+
+pub(super) fn engine_node(part: &str, node: u32, numbers: &[u32]) -> Result<u32, EngineError> {
+    let found = numbers.get(node as usize).copied();
+    found.ok_or_else(|| EngineError::UnknownNode {
+        part: part.into(),
+        node,
+        count: numbers.len(),
+    })
+}
+
+pub(super) fn engine_nodes(
+    part: &str,
+    nodes: &[u32],
+    numbers: &[u32],
+    mesh: &Mesh,
+) -> Result<Vec<u32>, EngineError> {
+    let engine: Vec<u32> = nodes
+        .iter()
+        .map(|&node| engine_node(part, node, numbers))
+        .collect::<Result<_, _>>()?;
+    let mut sorted = nodes.to_vec();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(EngineError::NodeTwice {
+            part: part.into(),
+            node: tag(mesh, pair[0]),
+        }),
+        None => Ok(engine),
+    }
+}
+
+/// The user's number of a mesh node; an additional node has its index.
+pub(super) fn tag(mesh: &Mesh, node: u32) -> u64 {
+    let tags = mesh.node_tags();
+    tags.get(node as usize).copied().unwrap_or(u64::from(node))
+}
+
+/// Which nodes form groups, and what acts on them.
+pub(super) struct GroupPlan<'a> {
+    mesh: &'a Mesh,
+    numbering: &'a Numbering,
+    /// Union-find over engine nodes.
+    parent: Vec<u32>,
+    /// What each node brings along; a node stands here if it belongs to a group.
+    nodes: BTreeMap<u32, Group>,
+}
+
+impl<'a> GroupPlan<'a> {
+    pub(super) fn new(mesh: &'a Mesh, numbering: &'a Numbering, node_count: usize) -> Self {
+        Self {
+            mesh,
+            numbering,
+            parent: (0..node_count as u32).collect(),
+            nodes: BTreeMap::new(),
+        }
+    }
+    fn numbers(&self) -> &'a [u32] {
+        &self.numbering.engine_of[..self.mesh.node_count()]
+    }
+    fn tag_of(&self, engine: u32) -> u64 {
+        tag(self.mesh, self.numbering.mesh_of[engine as usize])
+    }
+    fn root(&self, mut node: u32) -> u32 {
+        while self.parent[node as usize] != node {
+            node = self.parent[node as usize];
+        }
+        node
+    }
+    /// The group of a node's tie; ties are complete when this is first called.
+    fn entry(&mut self, engine: u32) -> &mut Group {
+        let root = self.root(engine);
+        self.nodes.entry(root).or_default()
+    }
+
+    pub(super) fn tie(&mut self, periodic: &PeriodicPairs) -> Result<(), EngineError> {
+        for &(a, b) in &periodic.pairs {
+            let a = engine_node("a periodic pair", a, self.numbers())?;
+            let b = engine_node("a periodic pair", b, self.numbers())?;
+            let (a, b) = (self.root(a), self.root(b));
+            self.parent[a.max(b) as usize] = a.min(b);
+        }
+        Ok(())
+    }
+
+    pub(super) fn impede(&mut self, engine: u32, item: &NodalImpedance) -> Result<(), EngineError> {
+        for (what, matrix) in [("spring", &item.spring), ("dashpot", &item.dashpot)] {
+            if !is_positive_semidefinite(matrix) {
+                let node = self.tag_of(engine);
+                return Err(EngineError::Impedance { what, node });
+            }
+        }
+        let group = self.entry(engine);
+        group.spring += item.spring;
+        group.dashpot += item.dashpot;
+        Ok(())
+    }
+
+    pub(super) fn hold(&mut self, support: &Support) -> Result<(), EngineError> {
+        let directions = support.directions()?;
+        for &node in support.nodes() {
+            let engine = engine_node("a support", node, self.numbers())?;
+            let group = self.entry(engine);
+            for &direction in &directions {
+                group.condition.hold(direction);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn drive(
+        &mut self,
+        prescribed: &Prescribed,
+        motion: usize,
+    ) -> Result<(), EngineError> {
+        let direction = unit("a prescribed motion", prescribed.direction)?;
+        for &node in &prescribed.nodes {
+            let engine = engine_node("a prescribed motion", node, self.numbers())?;
+            if !self.entry(engine).condition.prescribe(direction, motion) {
+                let node = self.tag_of(engine);
+                return Err(EngineError::SupportConflict { node });
+            }
+        }
+        Ok(())
+    }
+
+    /// Engine nodes of each constraint.
+    pub(super) fn constrain(
+        &mut self,
+        constraints: &[Box<dyn Constraint>],
+    ) -> Result<Vec<Vec<u32>>, EngineError> {
+        let mut owner: BTreeMap<u32, &str> = BTreeMap::new();
+        let mut all = Vec::new();
+        for constraint in constraints {
+            let part = format!("constraint '{}'", constraint.name());
+            let nodes = engine_nodes(&part, constraint.nodes(), self.numbers(), self.mesh)?;
+            for &node in &nodes {
+                if let Some(first) = owner.insert(self.root(node), constraint.name()) {
+                    return Err(EngineError::ConstrainedTwice {
+                        node: self.tag_of(node),
+                        first: first.into(),
+                        second: constraint.name().into(),
+                    });
+                }
+                self.entry(node);
+            }
+            all.push(nodes);
+        }
+        Ok(all)
+    }
+
+    /// The groups in rising order of their leads, and the group of each node.
+    pub(super) fn finish(
+        mut self,
+        mass: &[f64],
+        damping: &[f64],
+    ) -> (Vec<Group>, Vec<Option<u32>>) {
+        let nodes = 0..self.parent.len() as u32;
+        // A tied node makes a group even if nothing else acts on it; its root is met before it.
+        for node in nodes.clone() {
+            let root = self.root(node);
+            if root != node {
+                self.nodes.entry(root).or_default();
+            }
+        }
+        for node in nodes {
+            let root = self.root(node);
+            if let Some(group) = self.nodes.get_mut(&root) {
+                group.members.push(node);
+                group.mass += mass[node as usize];
+                group.mass_damping += damping.get(node as usize).copied().unwrap_or(0.0);
+            }
+        }
+        let groups: Vec<Group> = self.nodes.into_values().collect();
+        let mut group_of = vec![None; mass.len()];
+        for (g, group) in groups.iter().enumerate() {
+            for &node in &group.members {
+                group_of[node as usize] = Some(g as u32);
+            }
+        }
+        (groups, group_of)
+    }
+}
+
+fn is_positive_semidefinite(matrix: &Mat3) -> bool {
+    let scale = matrix.amax();
+    let symmetric = (matrix - matrix.transpose()).amax() <= 1e-9 * scale;
+    scale.is_finite() && symmetric && matrix.symmetric_eigenvalues().min() >= -1e-9 * scale
+}

@@ -1,0 +1,198 @@
+//! Motion and forces at nodes, and the pass that moves them. This is hot code.
+
+use core::ops::{Add, Mul, Sub};
+
+use powerhouse_model::{NodalScalar, NodalView, NodalViewMut, Quad, Vec3};
+use rayon::prelude::*;
+
+use crate::gather::{CHUNK, Gather, SlotTable};
+use crate::groups::GroupMotion;
+
+/// A number format that nodes can be kept in.
+pub(crate) trait Storage:
+    NodalScalar + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+    fn view(values: &[Quad<Self>]) -> NodalView<'_>;
+    fn view_mut(values: &mut [Quad<Self>]) -> NodalViewMut<'_>;
+    /// Whether `-limit <= self <= limit`; false for NaN.
+    fn within(self, limit: Self) -> bool;
+    /// The largest limit that still tells infinity from a number.
+    const MOST: f64;
+}
+
+macro_rules! storage {
+    ($float:ty, $variant:ident) => {
+        impl Storage for $float {
+            fn view(values: &[Quad<Self>]) -> NodalView<'_> {
+                NodalView::$variant(values)
+            }
+            fn view_mut(values: &mut [Quad<Self>]) -> NodalViewMut<'_> {
+                NodalViewMut::$variant(values)
+            }
+            #[inline(always)]
+            fn within(self, limit: Self) -> bool {
+                self.abs() <= limit
+            }
+            const MOST: f64 = <$float>::MAX as f64;
+        }
+    };
+}
+storage!(f64, F64);
+storage!(f32, F32);
+
+/// All values at nodes, in engine numbering.
+pub(crate) struct NodalArrays<S: Storage> {
+    /// Displacement (m) at the present time.
+    pub(crate) displacement: Vec<Quad<S>>,
+    /// Velocity (m/s) half a step before it.
+    pub(crate) velocity: Vec<Quad<S>>,
+    /// Internal forces (N) of the blocks, one buffer behind the other.
+    pub(crate) forces: Vec<Quad<S>>,
+    /// Applied forces (N) at plain nodes; empty if there are none.
+    pub(crate) external: Vec<Quad<S>>,
+    /// Velocity per force, `dt / (m + dt c / 2)` (m/s/N); zero at grouped nodes.
+    gain: Vec<S>,
+    /// Velocity per old velocity; empty if it is one everywhere.
+    decay: Vec<S>,
+}
+
+/// Either format.
+pub(crate) enum Nodes {
+    F64(NodalArrays<f64>),
+    F32(NodalArrays<f32>),
+}
+
+/// Runs an expression on the arrays of either format.
+macro_rules! with_nodes {
+    ($nodes:expr, $arrays:ident => $body:expr) => {
+        match $nodes {
+            $crate::nodes::Nodes::F64($arrays) => $body,
+            $crate::nodes::Nodes::F32($arrays) => $body,
+        }
+    };
+}
+pub(crate) use with_nodes;
+
+/// The new velocity of a plain node.
+#[inline(always)]
+fn kicked<S: Storage>(velocity: &[S; 4], force: &[S; 4], gain: S, decay: Option<S>) -> [S; 4] {
+    core::array::from_fn(|c| match decay {
+        None => velocity[c] + gain * force[c],
+        Some(decay) => decay * velocity[c] + gain * force[c],
+    })
+}
+
+/// The force on a plain node: applied minus internal.
+#[inline(always)]
+fn total<S: Storage>(internal: &[S; 4], external: Option<&[S; 4]>) -> [S; 4] {
+    match external {
+        None => core::array::from_fn(|c| S::default() - internal[c]),
+        Some(external) => core::array::from_fn(|c| external[c] - internal[c]),
+    }
+}
+
+impl<S: Storage> NodalArrays<S> {
+    pub(crate) fn new(nodes: usize, slots: usize, with_external: bool) -> Self {
+        Self {
+            displacement: vec![Quad::default(); nodes],
+            velocity: vec![Quad::default(); nodes],
+            forces: vec![Quad::default(); slots],
+            external: vec![Quad::default(); if with_external { nodes } else { 0 }],
+            gain: vec![S::default(); nodes],
+            decay: Vec::new(),
+        }
+    }
+
+    /// Sets what the plain nodes are moved with: gain (m/s/N), and decay if it differs from one.
+    pub(crate) fn set_coefficients(&mut self, gain: &[f64], decay: &[f64]) {
+        self.gain = gain.iter().map(|&g| S::from_f64(g)).collect();
+        self.decay = decay.iter().map(|&d| S::from_f64(d)).collect();
+    }
+
+    /// Kicks the plain nodes and gives the grouped ones their new velocity; with `DRIFT`, moves
+    /// all of them. Returns whether every component of velocity is within `limit` (m/s).
+    pub(crate) fn advance<const DRIFT: bool>(
+        &mut self,
+        gather: &Gather,
+        groups: &GroupMotion,
+        step: f64,
+        limit: f64,
+    ) -> bool {
+        let Self {
+            displacement,
+            velocity,
+            forces,
+            external,
+            gain,
+            decay,
+        } = self;
+        let (forces, external, gain, decay) = (&**forces, &**external, &**gain, &**decay);
+        let dt = S::from_f64(step);
+        let limit = S::from_f64(limit.min(S::MOST));
+        velocity
+            .par_chunks_mut(CHUNK)
+            .zip(displacement.par_chunks_mut(CHUNK))
+            .enumerate()
+            .map(|(chunk, (velocity, displacement))| {
+                let start = chunk * CHUNK;
+                let mut beyond = [false; 4];
+                // A grouped node has no gain: the loop below hands its velocity on as it is.
+                for &(node, group) in groups.members_in(chunk) {
+                    velocity[node as usize - start] =
+                        Quad::from_vector(&groups.next[group as usize]);
+                }
+                gather.for_chunk(chunk, forces, |first, sums| {
+                    let local = first - start;
+                    let range = local..local + sums.len();
+                    let nodes = first..first + sums.len();
+                    let old = &mut velocity[range.clone()];
+                    let place = &mut displacement[range];
+                    let gain = &gain[nodes.clone()];
+                    for i in 0..sums.len() {
+                        let applied = external.get(first + i).map(|quad| &quad.values);
+                        let force = total(&sums[i].values, applied);
+                        let decay = decay.get(first + i).copied();
+                        let new = kicked(&old[i].values, &force, gain[i], decay);
+                        old[i].values = new;
+                        for c in 0..4 {
+                            if DRIFT {
+                                place[i].values[c] = place[i].values[c] + dt * new[c];
+                            }
+                            beyond[c] |= !new[c].within(limit);
+                        }
+                    }
+                });
+                !beyond.contains(&true)
+            })
+            .reduce(|| true, |a, b| a && b)
+    }
+
+    /// Moves all nodes with the velocity they have.
+    pub(crate) fn drift(&mut self, step: f64) {
+        let dt = S::from_f64(step);
+        self.displacement
+            .par_chunks_mut(CHUNK)
+            .zip(self.velocity.par_chunks(CHUNK))
+            .for_each(|(displacement, velocity)| {
+                for (place, velocity) in displacement.iter_mut().zip(velocity) {
+                    for c in 0..4 {
+                        place.values[c] = place.values[c] + dt * velocity.values[c];
+                    }
+                }
+            });
+    }
+
+    /// Internal force at a node (N).
+    pub(crate) fn internal(&self, slots: &SlotTable, node: usize) -> Vec3 {
+        slots.sum(node, &self.forces).to_vector()
+    }
+
+    /// The velocity that a plain node will have after the step, same bits as [`Self::advance`].
+    pub(crate) fn next_velocity(&self, slots: &SlotTable, node: usize) -> Vec3 {
+        let internal = slots.sum(node, &self.forces).values;
+        let force = total(&internal, self.external.get(node).map(|quad| &quad.values));
+        let decay = self.decay.get(node).copied();
+        let new = kicked(&self.velocity[node].values, &force, self.gain[node], decay);
+        Vec3::new(new[0].to_f64(), new[1].to_f64(), new[2].to_f64())
+    }
+}

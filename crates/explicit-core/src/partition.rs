@@ -1,0 +1,136 @@
+//! How sets are cut into blocks, and nodes numbered so that each block owns a contiguous run.
+
+use powerhouse_model::{Mesh, Numbering};
+
+use crate::EngineError;
+use crate::numbering::{Incidence, reverse_cuthill_mckee};
+
+/// The elements of one future block.
+pub(crate) struct Part {
+    /// Which set of the model.
+    pub(crate) set: usize,
+    /// Mesh indices of its elements in the order of computation.
+    pub(crate) elements: Vec<u32>,
+    /// Engine numbers of its nodes: owned ones first, rising, then the others, rising.
+    pub(crate) nodes: Vec<u32>,
+}
+
+/// Numbering and parts of a mesh.
+pub(crate) struct Partition {
+    pub(crate) numbering: Numbering,
+    pub(crate) parts: Vec<Part>,
+}
+
+/// Cuts sets into parts of at most `size` elements, and numbers the nodes.
+///
+/// Elements are ordered by their least node in reverse Cuthill-McKee order and cut; parts of all
+/// sets are put in the same order. A node belongs to the first part that touches it, and nodes
+/// are numbered part by part, so a part owns a contiguous run. Nothing here depends on the number
+/// of threads.
+pub(crate) fn partition(
+    mesh: &Mesh,
+    labels: &[&str],
+    sets: &[&[u32]],
+    size: usize,
+) -> Result<Partition, EngineError> {
+    check_cover(mesh, labels, sets)?;
+    let order = reverse_cuthill_mckee(mesh, &Incidence::of(mesh));
+    let mut rank = vec![0u32; order.len()];
+    for (i, &node) in order.iter().enumerate() {
+        rank[node as usize] = i as u32;
+    }
+    let key = |element: u32| {
+        let ranks = mesh.nodes_of(element).iter().map(|&n| rank[n as usize]);
+        ranks.fold((u32::MAX, 0), |(low, high), r| (low.min(r), high.max(r)))
+    };
+    let mut parts: Vec<((u32, u32), Part)> = Vec::new();
+    for (set, elements) in sets.iter().enumerate() {
+        let mut keyed: Vec<((u32, u32), u32)> = elements.iter().map(|&e| (key(e), e)).collect();
+        keyed.sort_unstable();
+        parts.extend(keyed.chunks(size.max(1)).map(|chunk| {
+            let part = Part {
+                set,
+                elements: chunk.iter().map(|&(_, e)| e).collect(),
+                nodes: Vec::new(),
+            };
+            (chunk[0].0, part)
+        }));
+    }
+    parts.sort_by_key(|(first, part)| (*first, part.set));
+    let mut parts: Vec<Part> = parts.into_iter().map(|(_, part)| part).collect();
+    let numbering = number_by_owner(mesh, &rank, &mut parts);
+    Ok(Partition { numbering, parts })
+}
+
+fn check_cover(mesh: &Mesh, labels: &[&str], sets: &[&[u32]]) -> Result<(), EngineError> {
+    const FREE: u32 = u32::MAX;
+    if sets.iter().all(|set| set.is_empty()) {
+        return Err(EngineError::NoElements);
+    }
+    let mut owner = vec![FREE; mesh.element_count()];
+    for (set, elements) in sets.iter().enumerate() {
+        for &element in *elements {
+            let place = owner.get_mut(element as usize).ok_or_else(|| {
+                powerhouse_model::MeshError::SetOutOfRange {
+                    what: "element",
+                    name: labels[set].into(),
+                    index: element,
+                }
+            })?;
+            if *place != FREE {
+                return Err(EngineError::ElementTwice {
+                    element: mesh.element_tags()[element as usize],
+                    first: labels[*place as usize].into(),
+                    second: labels[set].into(),
+                });
+            }
+            *place = set as u32;
+        }
+    }
+    let count = owner.iter().filter(|&&o| o == FREE).count();
+    match owner.iter().position(|&o| o == FREE) {
+        Some(first) => Err(EngineError::ElementUnassigned {
+            element: mesh.element_tags()[first],
+            count,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn number_by_owner(mesh: &Mesh, rank: &[u32], parts: &mut [Part]) -> Numbering {
+    const FREE: u32 = u32::MAX;
+    let mut numbering = Numbering {
+        engine_of: vec![FREE; mesh.node_count()],
+        mesh_of: Vec::with_capacity(mesh.node_count()),
+    };
+    for part in parts.iter_mut() {
+        let mut touched: Vec<u32> = part
+            .elements
+            .iter()
+            .flat_map(|&e| mesh.nodes_of(e).iter().copied())
+            .collect();
+        touched.sort_unstable_by_key(|&n| rank[n as usize]);
+        touched.dedup();
+        let mut borrowed = Vec::new();
+        for node in touched {
+            let engine = &mut numbering.engine_of[node as usize];
+            if *engine == FREE {
+                *engine = numbering.mesh_of.len() as u32;
+                numbering.mesh_of.push(node);
+                part.nodes.push(*engine);
+            } else {
+                borrowed.push(*engine);
+            }
+        }
+        borrowed.sort_unstable();
+        part.nodes.append(&mut borrowed);
+    }
+    // Nodes without elements come last; they are refused later for want of mass.
+    for node in 0..mesh.node_count() {
+        if numbering.engine_of[node] == FREE {
+            numbering.engine_of[node] = numbering.mesh_of.len() as u32;
+            numbering.mesh_of.push(node as u32);
+        }
+    }
+    numbering
+}

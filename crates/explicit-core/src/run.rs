@@ -1,0 +1,349 @@
+//! The run: steps, observers, and what ends it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use powerhouse_model::{
+    Cadence, Dynamics, Flow, ForceTerms, MassDampingRule, Observer, RunError, TimeIntegrator,
+};
+
+use crate::view::View;
+use crate::{Model, StableStep};
+
+/// How long a run lasts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Length {
+    /// Until the first step at or past this time (s) after the run's start has been shown.
+    Seconds(f64),
+    /// So many steps.
+    Steps(u64),
+}
+
+/// Which step a run takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum StepChoice {
+    /// The stable step of the model.
+    #[default]
+    Stable,
+    /// This step (s); refused if it is above the stable one.
+    Fixed(f64),
+    /// This step (s), stable or not; for studies of stability.
+    Unchecked(f64),
+}
+
+/// What a run is to do.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct RunOptions {
+    /// How long.
+    pub length: Length,
+    /// The step.
+    pub step: StepChoice,
+    /// Bound on each component of velocity (m/s), beyond which the motion counts as diverged. By
+    /// default the speed at which strains reach the order of one, far beyond any use of a theory
+    /// of small strains: the greatest product of half an element's frequency and its diagonal.
+    pub speed_limit: Option<f64>,
+    /// Raised from outside, it ends the run after one more step; the output is complete.
+    pub stop: Option<Arc<AtomicBool>>,
+}
+
+impl RunOptions {
+    /// A run of some time (s) with the stable step.
+    pub fn seconds(duration: f64) -> Self {
+        Self::of(Length::Seconds(duration))
+    }
+    /// A run of so many steps with the stable step.
+    pub fn steps(count: u64) -> Self {
+        Self::of(Length::Steps(count))
+    }
+    fn of(length: Length) -> Self {
+        Self {
+            length,
+            step: StepChoice::Stable,
+            speed_limit: None,
+            stop: None,
+        }
+    }
+    /// The same with a step.
+    #[must_use]
+    pub fn with_step(mut self, step: StepChoice) -> Self {
+        self.step = step;
+        self
+    }
+    /// The same with a bound on the speed (m/s).
+    #[must_use]
+    pub fn with_speed_limit(mut self, limit: f64) -> Self {
+        self.speed_limit = Some(limit);
+        self
+    }
+    /// The same with a flag that ends the run.
+    #[must_use]
+    pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.stop = Some(stop);
+        self
+    }
+}
+
+/// Where a run stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// Steps done in this run.
+    pub done: u64,
+    /// Steps that this run is to have.
+    pub planned: u64,
+    /// Time of the displacement (s).
+    pub time: f64,
+}
+
+/// Why a run ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// It was to end there.
+    Completed,
+    /// An observer of this name had seen enough.
+    Observer(String),
+    /// It was stopped from outside.
+    Stopped,
+}
+
+/// What a run did.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RunReport {
+    /// Steps done in this run.
+    pub steps: u64,
+    /// Their length (s).
+    pub step: f64,
+    /// Time of the displacement at the end (s).
+    pub time: f64,
+    /// The stable step, unless it was not asked for.
+    pub stable: Option<StableStep>,
+    /// Why it ended.
+    pub ended: Ended,
+}
+
+/// Steps a model, showing it to observers.
+///
+/// A step from `t` to `t + dt` shows the state at `t`, when the velocities before and after are
+/// both known. The run therefore ends one step after the last state shown, and a run that goes on
+/// from there shows each state once. Observers are shown the last step whatever their cadence, and
+/// finished whatever happens.
+///
+/// `progress` is called after every step.
+///
+/// # Errors
+/// What refused the step before the run, or what ended it before its time.
+pub fn run(
+    model: &mut Model,
+    integrator: &dyn TimeIntegrator,
+    options: &RunOptions,
+    observers: &mut [Box<dyn Observer>],
+    progress: &mut (dyn FnMut(Progress) + Send),
+) -> Result<RunReport, RunError> {
+    let outcome = model.in_pool(|model| steps(model, integrator, options, observers, progress));
+    let mut finished = Ok(());
+    for observer in observers {
+        let result = observer.finish();
+        if finished.is_ok() {
+            finished = result.map_err(|source| failed(observer.name(), model.number, source));
+        }
+    }
+    let report = outcome?;
+    finished?;
+    Ok(report)
+}
+
+fn failed(name: &str, step: u64, source: powerhouse_model::ModelError) -> RunError {
+    RunError::Observer {
+        name: name.into(),
+        step,
+        source: Box::new(source),
+    }
+}
+
+fn steps(
+    model: &mut Model,
+    integrator: &dyn TimeIntegrator,
+    options: &RunOptions,
+    observers: &mut [Box<dyn Observer>],
+    progress: &mut (dyn FnMut(Progress) + Send),
+) -> Result<RunReport, RunError> {
+    let (step, stable) = choose_step(model, integrator, options.step)?;
+    let planned = match options.length {
+        Length::Steps(count) => count,
+        // The last state shown is the first at or past the end.
+        Length::Seconds(duration) => (duration / step - 1e-6).ceil().max(0.0) as u64 + 1,
+    };
+    model.speed_limit = match options.speed_limit {
+        Some(limit) => limit,
+        None => match model.spectrum().reference_speed {
+            speed if speed > 0.0 => speed,
+            _ => f64::MAX,
+        },
+    };
+    let mut stage = Stage {
+        observers,
+        last: false,
+        stopped_by: None,
+        failure: None,
+        model,
+    };
+    let mut ended = Ended::Completed;
+    let mut done = 0;
+    while done < planned {
+        stage.last = done + 1 == planned;
+        if options
+            .stop
+            .as_ref()
+            .is_some_and(|s| s.load(Ordering::Relaxed))
+        {
+            stage.last = true;
+            ended = Ended::Stopped;
+        }
+        integrator.step(&mut stage, step)?;
+        if let Some(failure) = stage.failure.take() {
+            return Err(failure);
+        }
+        if let Some(fault) = stage.model.fault.take() {
+            return Err(fault);
+        }
+        done += 1;
+        progress(Progress {
+            done,
+            planned,
+            time: stage.model.time(),
+        });
+        if let Some(name) = stage.stopped_by.take() {
+            ended = Ended::Observer(name);
+            break;
+        }
+        if ended == Ended::Stopped {
+            break;
+        }
+    }
+    Ok(RunReport {
+        steps: done,
+        step,
+        time: stage.model.time(),
+        stable,
+        ended,
+    })
+}
+
+fn choose_step(
+    model: &mut Model,
+    integrator: &dyn TimeIntegrator,
+    choice: StepChoice,
+) -> Result<(f64, Option<StableStep>), RunError> {
+    match choice {
+        StepChoice::Stable => {
+            let stable = model.stable_step(integrator)?;
+            Ok((stable.step, Some(stable)))
+        }
+        StepChoice::Fixed(step) => {
+            let limits = model.frequency_limits();
+            integrator.check(&limits, step)?;
+            Ok((step, Some(model.stable_step(integrator)?)))
+        }
+        StepChoice::Unchecked(step) if step.is_finite() && step > 0.0 => Ok((step, None)),
+        StepChoice::Unchecked(step) => Err(RunError::UnstableStep {
+            step,
+            limit: f64::MAX,
+            scheme: integrator.name(),
+            reason: "a step must be positive and finite".into(),
+        }),
+    }
+}
+
+/// A model with its audience: shows every step between its kick and its drift.
+struct Stage<'a> {
+    model: &'a mut Model,
+    observers: &'a mut [Box<dyn Observer>],
+    last: bool,
+    stopped_by: Option<String>,
+    failure: Option<RunError>,
+}
+
+impl Stage<'_> {
+    fn show(&mut self, step: f64) {
+        let model = &*self.model;
+        let view = View::new(model, step, &[]);
+        let due = |cadence| self.last || is_due(cadence, model.number, model.time, step);
+        let mut shown = vec![false; self.observers.len()];
+        // If one ends the run, this is the last step for all: a second round shows it to the rest.
+        for last in [false, true] {
+            if last && self.stopped_by.is_none() {
+                break;
+            }
+            for (observer, shown) in self.observers.iter_mut().zip(&mut shown) {
+                if *shown || !(last || due(observer.cadence())) {
+                    continue;
+                }
+                *shown = true;
+                match observer.observe(&view) {
+                    Ok(Flow::Continue) => {}
+                    Ok(Flow::Stop) => self.stopped_by = Some(observer.name().into()),
+                    Err(source) => {
+                        self.failure = Some(failed(observer.name(), model.number, source));
+                        return;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Whether a cadence falls on a step: times count as reached a millionth of a step early.
+fn is_due(cadence: Cadence, number: u64, time: f64, step: f64) -> bool {
+    match cadence {
+        Cadence::Steps(every) => number.is_multiple_of(every.max(1)),
+        Cadence::Seconds(interval) if interval > step => {
+            let multiple = |t: f64| ((t + 1e-6 * step) / interval).floor();
+            number == 0 || multiple(time) > multiple(time - step)
+        }
+        Cadence::Seconds(_) => true,
+    }
+}
+
+impl Dynamics for Stage<'_> {
+    fn time(&self) -> f64 {
+        self.model.time()
+    }
+    fn forces(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
+        self.model.forces(terms, step)
+    }
+    fn kick(&mut self, mass_damping: MassDampingRule, step: f64) -> Result<(), RunError> {
+        self.model.kick(mass_damping, step)
+    }
+    fn constrain(&mut self, step: f64) -> Result<(), RunError> {
+        self.model.constrain(step)
+    }
+    fn drift(&mut self, step: f64) {
+        self.show(step);
+        if self.failure.is_none() {
+            self.model.drift(step);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cadence in seconds falls on the first step at or past each multiple, once each.
+    #[test]
+    fn a_cadence_in_seconds_falls_once_on_each_multiple() {
+        let step = 0.1;
+        let mut time = 0.0;
+        let mut due = Vec::new();
+        for number in 0..21 {
+            if is_due(Cadence::Seconds(0.25), number, time, step) {
+                due.push(number);
+            }
+            time += step;
+        }
+        assert_eq!(due, [0, 3, 5, 8, 10, 13, 15, 18, 20]);
+    }
+}

@@ -1,0 +1,213 @@
+//! The highest frequency of the assembled model, by Lanczos.
+
+use powerhouse_model::{Operator, Quad, Vec3};
+use rayon::prelude::*;
+
+use crate::Model;
+use crate::model::split;
+use crate::nodes::{NodalArrays, Storage, with_nodes};
+
+/// Relative bound on the error of the highest eigenvalue at which Lanczos stops.
+const TOLERANCE: f64 = 5e-3;
+/// Products after which it gives up.
+const MOST_PRODUCTS: usize = 300;
+/// Products between two looks at the eigenvalue.
+const LOOK: usize = 5;
+
+/// What Lanczos found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct HighestEigenvalue {
+    /// The Ritz value (rad2/s2), from below.
+    pub(crate) value: f64,
+    /// Bound on its distance to an eigenvalue.
+    pub(crate) residual: f64,
+    /// Operator products.
+    pub(crate) products: usize,
+    /// Whether the residual is below the tolerance.
+    pub(crate) converged: bool,
+}
+
+impl Model {
+    /// The highest eigenvalue of `M^-1/2 K M^-1/2`, `K` the elastic operator of all blocks,
+    /// supports and ties respected, impedances left out (they are implicit).
+    ///
+    /// Lanczos without reorthogonalisation (Paige 1972: the extreme Ritz values converge all the
+    /// same). The bound is `beta |s_k|`, `s_k` the last component of the Ritz vector.
+    pub(crate) fn highest_eigenvalue(&mut self) -> HighestEigenvalue {
+        self.settle();
+        let count = self.mass.len();
+        let scale = self.inverse_root_mass();
+        let mut present = self.start_vector();
+        let mut previous = vec![Vec3::zeros(); count];
+        let (mut diagonal, mut off) = (Vec::new(), Vec::<f64>::new());
+        let mut found = HighestEigenvalue {
+            value: 0.0,
+            residual: 0.0,
+            products: 0,
+            converged: true,
+        };
+        let norm = dot(&present, &present).sqrt();
+        if norm == 0.0 {
+            return found;
+        }
+        present.par_iter_mut().for_each(|x| *x /= norm);
+        loop {
+            let mut next = self.scaled_product(&scale, &present);
+            let alpha = dot(&next, &present);
+            let beta_before = off.last().copied().unwrap_or(0.0);
+            next.par_iter_mut()
+                .zip(&present)
+                .zip(&previous)
+                .for_each(|((w, x), y)| *w -= x * alpha + y * beta_before);
+            let beta = dot(&next, &next).sqrt();
+            diagonal.push(alpha);
+            off.push(beta);
+            found.products += 1;
+            let exhausted = beta <= 1e-12 * alpha.abs().max(found.value);
+            if exhausted || found.products.is_multiple_of(LOOK) {
+                let (value, last) = largest_ritz(&diagonal, &off);
+                found.value = value;
+                found.residual = beta * last;
+                found.converged = exhausted || found.residual <= TOLERANCE * value;
+                if found.converged || found.products >= MOST_PRODUCTS {
+                    return found;
+                }
+            }
+            previous = present;
+            present = next;
+            present.par_iter_mut().for_each(|x| *x /= beta);
+        }
+    }
+
+    /// `M^-1/2` of the free nodes; zero at nodes that follow a lead.
+    fn inverse_root_mass(&self) -> Vec<f64> {
+        (0..self.mass.len())
+            .map(|node| match self.group_of[node] {
+                None => 1.0 / self.mass[node].sqrt(),
+                Some(g) => {
+                    let group = &self.groups.groups[g as usize];
+                    let leads = group.members[0] as usize == node;
+                    if leads { 1.0 / group.mass.sqrt() } else { 0.0 }
+                }
+            })
+            .collect()
+    }
+
+    /// A vector without structure, so that it holds a share of every mode; the same each time.
+    fn start_vector(&self) -> Vec<Vec3> {
+        let mut vector: Vec<Vec3> = (0..self.mass.len() as u64)
+            .map(|node| Vec3::from_fn(|c, _| noise(3 * node + c as u64)))
+            .collect();
+        self.reduce(&mut vector);
+        vector
+    }
+
+    /// Restricts a vector to the leads and the free directions of the groups.
+    fn reduce(&self, vector: &mut [Vec3]) {
+        for group in &self.groups.groups {
+            for &member in &group.members[1..] {
+                vector[member as usize] = Vec3::zeros();
+            }
+            let lead = &mut vector[group.members[0] as usize];
+            *lead = group.condition.free(*lead);
+        }
+    }
+
+    /// `M^-1/2 K M^-1/2` times a reduced vector.
+    fn scaled_product(&mut self, scale: &[f64], vector: &[Vec3]) -> Vec<Vec3> {
+        let mut spread: Vec<Vec3> = vector.par_iter().zip(scale).map(|(x, s)| x * *s).collect();
+        for group in &self.groups.groups {
+            for &member in &group.members[1..] {
+                spread[member as usize] = spread[group.members[0] as usize];
+            }
+        }
+        let mut product = self.elastic_product(&spread);
+        for group in &self.groups.groups {
+            let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
+            product[group.members[0] as usize] = sum;
+        }
+        product
+            .par_iter_mut()
+            .zip(scale)
+            .for_each(|(x, s)| *x *= *s);
+        self.reduce(&mut product);
+        product
+    }
+
+    fn elastic_product(&mut self, vector: &[Vec3]) -> Vec<Vec3> {
+        let (blocks, lengths, slots) = (&self.blocks, &self.lengths, &self.slots);
+        fn product<S: Storage>(
+            arrays: &mut NodalArrays<S>,
+            vector: &[Vec3],
+            blocks: &[Box<dyn powerhouse_model::ElementBlock>],
+            lengths: &[usize],
+            slots: &crate::gather::SlotTable,
+        ) -> Vec<Vec3> {
+            let values: Vec<Quad<S>> = vector.iter().map(Quad::from_vector).collect();
+            let buffers = split(&mut arrays.forces, lengths);
+            blocks
+                .par_iter()
+                .zip(buffers)
+                .with_max_len(1)
+                .for_each(|(block, buffer)| {
+                    block.apply(Operator::Elastic, S::view(&values), buffer);
+                });
+            (0..vector.len())
+                .into_par_iter()
+                .map(|node| arrays.internal(slots, node))
+                .collect()
+        }
+        with_nodes!(&mut self.nodes, arrays => product(arrays, vector, blocks, lengths, slots))
+    }
+}
+
+/// The inner product, summed in a fixed order.
+fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+    let parts: Vec<f64> = a
+        .par_chunks(4096)
+        .zip(b.par_chunks(4096))
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum())
+        .collect();
+    parts.iter().sum()
+}
+
+/// A number in [-1, 1) from an integer (the mixer of Steele, Lea & Flood 2014).
+fn noise(index: u64) -> f64 {
+    let mut z = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// The largest eigenvalue of a symmetric tridiagonal matrix, and the size of the last component of
+/// its unit eigenvector. `off` has one entry more than the matrix needs.
+fn largest_ritz(diagonal: &[f64], off: &[f64]) -> (f64, f64) {
+    let size = diagonal.len();
+    let matrix = nalgebra::DMatrix::from_fn(size, size, |i, j| match i.abs_diff(j) {
+        0 => diagonal[i],
+        1 => off[i.min(j)],
+        _ => 0.0,
+    });
+    let eigen = matrix.symmetric_eigen();
+    let place = eigen.eigenvalues.imax();
+    (
+        eigen.eigenvalues[place],
+        eigen.eigenvectors[(size - 1, place)].abs(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The largest eigenvalue of the second-difference matrix is `4 cos^2(pi / (2 (n + 1)))`.
+    #[test]
+    fn ritz_value_of_a_known_matrix() {
+        let n = 12;
+        let (value, last) = largest_ritz(&vec![2.0; n], &vec![-1.0; n]);
+        let angle = core::f64::consts::PI / (n + 1) as f64;
+        assert!((value - 4.0 * (0.5 * angle).cos().powi(2)).abs() < 1e-14);
+        let component = (2.0 / (n + 1) as f64).sqrt() * angle.sin();
+        assert!((last - component).abs() < 1e-13);
+    }
+}

@@ -1,0 +1,333 @@
+//! Supports, prescribed motion and periodic ties.
+
+use powerhouse_model::{Mat3, Mesh, ParameterError, TimeFunction, Vec3};
+
+use crate::EngineError;
+
+/// Directions in which a support holds its nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Held {
+    Everything,
+    Direction(Vec3),
+}
+
+/// Nodes that do not move, at all or in one direction.
+///
+/// A support keeps a node where it is when the run begins. Several supports on a node add up:
+/// two rollers with different normals leave it one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Support {
+    nodes: Vec<u32>,
+    held: Held,
+}
+
+impl Support {
+    /// Nodes (mesh indices) that do not move at all.
+    pub fn fixed(nodes: Vec<u32>) -> Self {
+        Self {
+            nodes,
+            held: Held::Everything,
+        }
+    }
+    /// Nodes (mesh indices) that do not move along `normal`, which may be oblique and of any
+    /// length; they slide freely across it.
+    pub fn roller(nodes: Vec<u32>, normal: Vec3) -> Self {
+        Self {
+            nodes,
+            held: Held::Direction(normal),
+        }
+    }
+    pub(crate) fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    pub(crate) fn directions(&self) -> Result<Vec<Vec3>, EngineError> {
+        match self.held {
+            Held::Everything => Ok(vec![Vec3::x(), Vec3::y(), Vec3::z()]),
+            Held::Direction(normal) => Ok(vec![unit("a roller", normal)?]),
+        }
+    }
+}
+
+/// Nodes whose displacement along one direction is a function of time.
+pub struct Prescribed {
+    /// Mesh indices of the nodes.
+    pub nodes: Vec<u32>,
+    /// The direction; of any length but zero.
+    pub direction: Vec3,
+    /// Displacement along the direction (m) as a function of time (s). It should start from the
+    /// displacement that the nodes have: a jump is an impact.
+    pub displacement: Box<dyn TimeFunction>,
+}
+
+impl core::fmt::Debug for Prescribed {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Prescribed")
+            .field("nodes", &self.nodes.len())
+            .field("direction", &self.direction)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Pairs of nodes that move as one: they share their mass and the sum of their forces.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PeriodicPairs {
+    /// Mesh indices of the nodes of each pair.
+    pub pairs: Vec<(u32, u32)>,
+}
+
+impl PeriodicPairs {
+    /// Matches the nodes of two faces that differ by a translation.
+    ///
+    /// The translation is that of the lowest corners of the boxes around the two faces.
+    ///
+    /// # Errors
+    /// [`EngineError::PeriodicMismatch`] names the node that lies farthest from its partner.
+    pub fn by_translation(
+        mesh: &Mesh,
+        from: &[u32],
+        to: &[u32],
+        tolerance: f64,
+    ) -> Result<Self, EngineError> {
+        ParameterError::check("tolerance", tolerance, 0.0, f64::MAX)?;
+        let position = |node: u32| {
+            let found = mesh.positions().get(node as usize).copied();
+            found.ok_or(EngineError::UnknownNode {
+                part: "a periodic pair".into(),
+                node,
+                count: mesh.node_count(),
+            })
+        };
+        let low = |nodes: &[u32]| -> Result<Vec3, EngineError> {
+            let mut low = Vec3::repeat(f64::INFINITY);
+            for &node in nodes {
+                low = low.inf(&position(node)?);
+            }
+            Ok(low)
+        };
+        let translation = low(to)? - low(from)?;
+        let (partners, worst_from) = nearest(mesh, from, to, translation);
+        let (_, worst_to) = nearest(mesh, to, from, -translation);
+        let worst = if worst_from.1 >= worst_to.1 {
+            worst_from
+        } else {
+            worst_to
+        };
+        let one_to_one = {
+            let mut sorted = partners.clone();
+            sorted.sort_unstable();
+            sorted.dedup();
+            sorted.len() == from.len() && from.len() == to.len()
+        };
+        if worst.1 > tolerance || !one_to_one {
+            return Err(EngineError::PeriodicMismatch {
+                from: from.len(),
+                to: to.len(),
+                node: mesh.node_tags().get(worst.0 as usize).copied().unwrap_or(0),
+                distance: worst.1,
+                tolerance,
+            });
+        }
+        Ok(Self {
+            pairs: from.iter().copied().zip(partners).collect(),
+        })
+    }
+}
+
+/// The partner of each node, and the node that is farthest from its own with that distance.
+fn nearest(mesh: &Mesh, from: &[u32], to: &[u32], translation: Vec3) -> (Vec<u32>, (u32, f64)) {
+    let position = |node: u32| mesh.positions()[node as usize];
+    let extent = to.iter().fold(
+        (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)),
+        |(low, high), &node| (low.inf(&position(node)), high.sup(&position(node))),
+    );
+    let axis = (extent.1 - extent.0).imax();
+    let mut sorted: Vec<(f64, u32)> = to.iter().map(|&n| (position(n)[axis], n)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut worst = (from.first().copied().unwrap_or(0), 0.0);
+    let partners = from
+        .iter()
+        .map(|&node| {
+            let target = position(node) + translation;
+            let middle = sorted.partition_point(|&(x, _)| x < target[axis]);
+            let mut best = (node, f64::INFINITY);
+            let mut closer = |&(x, candidate): &(f64, u32)| {
+                let distance = (position(candidate) - target).norm();
+                if distance < best.1 {
+                    best = (candidate, distance);
+                }
+                (x - target[axis]).abs() <= best.1
+            };
+            let _ = sorted[middle..].iter().all(&mut closer);
+            let _ = sorted[..middle].iter().rev().all(&mut closer);
+            if best.1 > worst.1 {
+                worst = (node, best.1);
+            }
+            best.0
+        })
+        .collect();
+    (partners, worst)
+}
+
+pub(crate) fn unit(part: &str, direction: Vec3) -> Result<Vec3, EngineError> {
+    let norm = direction.norm();
+    if norm.is_finite() && norm > 0.0 {
+        Ok(direction / norm)
+    } else {
+        Err(EngineError::NoDirection {
+            part: part.into(),
+            x: direction.x,
+            y: direction.y,
+            z: direction.z,
+        })
+    }
+}
+
+/// The directions in which one node is held or driven.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Condition {
+    /// Orthonormal directions.
+    basis: Vec<Vec3>,
+    /// For each of them, its velocity as a combination of those of `prescribed`.
+    targets: Vec<Vec<f64>>,
+    /// Unit direction and index of the prescribed motion.
+    pub(crate) prescribed: Vec<(Vec3, usize)>,
+}
+
+/// Directions closer than this (sine of the angle) count as one.
+const PARALLEL: f64 = 1e-8;
+
+impl Condition {
+    /// Holds a unit direction.
+    pub(crate) fn hold(&mut self, direction: Vec3) {
+        let rest = self.rest(direction);
+        if rest.norm() > PARALLEL {
+            self.basis.push(rest.normalize());
+            self.targets.push(vec![0.0; self.prescribed.len()]);
+        }
+    }
+
+    /// Drives a unit direction; false if it is not free.
+    pub(crate) fn prescribe(&mut self, direction: Vec3, motion: usize) -> bool {
+        if self.prescribed.contains(&(direction, motion)) {
+            return true;
+        }
+        let rest = self.rest(direction);
+        if rest.norm() <= PARALLEL {
+            return false;
+        }
+        // direction = rest + sum_i (direction . q_i) q_i, so the new q moves at
+        // (v - sum_i (direction . q_i) v_i) / |rest|.
+        let scale = rest.norm();
+        let mut target = vec![0.0; self.prescribed.len() + 1];
+        for (q, of_q) in self.basis.iter().zip(&self.targets) {
+            for (sum, part) in target.iter_mut().zip(of_q) {
+                *sum -= direction.dot(q) * part / scale;
+            }
+        }
+        target[self.prescribed.len()] = 1.0 / scale;
+        for of_q in &mut self.targets {
+            of_q.push(0.0);
+        }
+        self.basis.push(rest / scale);
+        self.targets.push(target);
+        self.prescribed.push((direction, motion));
+        true
+    }
+
+    fn rest(&self, direction: Vec3) -> Vec3 {
+        let once = self.basis.iter().fold(direction, |r, q| r - q * q.dot(&r));
+        self.basis.iter().fold(once, |r, q| r - q * q.dot(&r))
+    }
+
+    /// Takes the components along held directions, not along driven ones, out of a vector.
+    pub(crate) fn released(&self, vector: Vec3) -> Vec3 {
+        let held = self.basis.iter().zip(&self.targets);
+        held.filter(|(_, target)| target.iter().all(|&weight| weight == 0.0))
+            .fold(vector, |rest, (q, _)| rest - q * q.dot(&rest))
+    }
+
+    /// Takes the components along held and driven directions out of a vector.
+    pub(crate) fn free(&self, vector: Vec3) -> Vec3 {
+        if self.basis.len() == 3 {
+            Vec3::zeros()
+        } else {
+            self.rest(vector)
+        }
+    }
+
+    /// The inverse of an effective mass in the free directions, `P = A^-1 - L N^T A^-1`, and
+    /// `L = A^-1 N (N^T A^-1 N)^-1`, which gives a node its velocity along the directions `N`.
+    pub(crate) fn project(&self, inverse: &Mat3) -> (Mat3, Mat3) {
+        let mut directions = Mat3::zeros();
+        for (i, q) in self.basis.iter().enumerate() {
+            directions.set_column(i, q);
+        }
+        match self.basis.len() {
+            0 => (*inverse, Mat3::zeros()),
+            3 => (Mat3::zeros(), directions),
+            count => {
+                let mut small = directions.transpose() * inverse * directions;
+                for i in count..3 {
+                    small[(i, i)] = 1.0;
+                }
+                let mut small = small.try_inverse().unwrap_or_else(Mat3::zeros);
+                for i in count..3 {
+                    small[(i, i)] = 0.0;
+                }
+                let lift = inverse * directions * small;
+                let across = Mat3::identity() - directions * directions.transpose();
+                let projected = inverse - lift * directions.transpose() * inverse;
+                let projected = across * projected * across;
+                ((projected + projected.transpose()) * 0.5, lift)
+            }
+        }
+    }
+
+    /// Velocities along the basis (m/s) from those of the prescribed motions.
+    pub(crate) fn target(&self, prescribed: &[f64]) -> Vec3 {
+        let mut target = Vec3::zeros();
+        for (i, weights) in self.targets.iter().enumerate() {
+            target[i] = weights.iter().zip(prescribed).map(|(w, v)| w * v).sum();
+        }
+        target
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Velocities along two oblique prescribed directions come out as prescribed, whatever the
+    /// effective mass.
+    #[test]
+    fn oblique_prescribed_directions_are_met_together() {
+        let (a, b) = (Vec3::x(), Vec3::new(0.6, 0.8, 0.0));
+        let mut condition = Condition::default();
+        condition.hold(Vec3::z());
+        assert!(condition.prescribe(a, 0));
+        assert!(condition.prescribe(b, 1));
+        assert!(!condition.prescribe(Vec3::y(), 2));
+        let (inverse, lift) = condition.project(&Mat3::identity());
+        assert_eq!(inverse, Mat3::zeros());
+        let velocity = lift * condition.target(&[2.0, -3.0]);
+        assert!((velocity.dot(&a) - 2.0).abs() < 1e-14);
+        assert!((velocity.dot(&b) + 3.0).abs() < 1e-14);
+        assert_eq!(velocity.z, 0.0);
+    }
+
+    /// A force on a roller leaves the held direction alone and obeys the projected mass.
+    #[test]
+    fn a_roller_takes_no_velocity_along_its_normal() {
+        let mass = Mat3::new(3.0, 0.5, 0.2, 0.5, 2.0, 0.1, 0.2, 0.1, 1.0);
+        let normal = Vec3::new(1.0, 2.0, -2.0) / 3.0;
+        let mut condition = Condition::default();
+        condition.hold(normal);
+        let (projected, _) = condition.project(&mass.try_inverse().unwrap());
+        let force = Vec3::new(0.3, -1.0, 0.7);
+        let velocity = projected * force;
+        assert!(velocity.dot(&normal).abs() < 1e-15);
+        // The rest of the force after M v is a reaction along the normal.
+        let reaction = force - mass * velocity;
+        assert!(reaction.cross(&normal).norm() < 1e-14);
+    }
+}

@@ -1,0 +1,88 @@
+//! A step as observers see it.
+
+use std::cell::OnceCell;
+
+use powerhouse_model::{StepView, Stress, Vec3};
+
+use crate::Model;
+use crate::nodes::{Storage, with_nodes};
+
+/// Reads a model between its kick and its drift; nothing is computed before it is asked for.
+pub(crate) struct View<'a> {
+    model: &'a Model,
+    step: f64,
+    energies: &'a [(&'static str, f64)],
+    /// Stresses of each block, once asked for.
+    stresses: Vec<OnceCell<Vec<Stress>>>,
+}
+
+impl<'a> View<'a> {
+    pub(crate) fn new(model: &'a Model, step: f64, energies: &'a [(&'static str, f64)]) -> Self {
+        Self {
+            model,
+            step,
+            energies,
+            stresses: vec![OnceCell::new(); model.blocks.len()],
+        }
+    }
+}
+
+impl StepView for View<'_> {
+    fn number(&self) -> u64 {
+        self.model.number
+    }
+    fn time(&self) -> f64 {
+        self.model.time
+    }
+    fn step(&self) -> f64 {
+        self.step
+    }
+    fn node_count(&self) -> usize {
+        self.model.mesh.node_count()
+    }
+    fn displacement(&self, node: u32) -> Vec3 {
+        self.model.displacement(node)
+    }
+    fn velocity(&self, node: u32) -> Vec3 {
+        let (before, after) = self.model.velocities_around(self.model.engine(node));
+        (before + after) * 0.5
+    }
+    fn acceleration(&self, node: u32) -> Vec3 {
+        let (before, after) = self.model.velocities_around(self.model.engine(node));
+        (after - before) / self.step
+    }
+    fn stress(&self, element: u32) -> Stress {
+        let model = self.model;
+        let Some(&(block, place)) = model.place_of_element.get(element as usize) else {
+            return Stress::default();
+        };
+        let stresses = self.stresses[block as usize].get_or_init(|| {
+            let block = &model.blocks[block as usize];
+            let mut out = vec![Stress::default(); block.elements().len()];
+            with_nodes!(&model.nodes, arrays => {
+                block.add_stress(Storage::view(&arrays.displacement), &mut out);
+            });
+            out
+        });
+        stresses[place as usize]
+    }
+    fn energies(&self) -> &[(&'static str, f64)] {
+        self.energies
+    }
+}
+
+impl Model {
+    /// Velocities (m/s) of an engine node half a step before and after the present time, between
+    /// kick and drift.
+    pub(crate) fn velocities_around(&self, node: usize) -> (Vec3, Vec3) {
+        match self.group_of[node] {
+            Some(group) => (
+                self.groups.motion.previous[group as usize],
+                self.groups.motion.next[group as usize],
+            ),
+            None => with_nodes!(&self.nodes, arrays => {
+                (arrays.velocity[node].to_vector(), arrays.next_velocity(&self.slots, node))
+            }),
+        }
+    }
+}
