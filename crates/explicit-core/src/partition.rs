@@ -74,7 +74,7 @@ fn check_cover(mesh: &Mesh, labels: &[&str], sets: &[&[u32]]) -> Result<(), Engi
                 powerhouse_model::MeshError::SetOutOfRange {
                     what: "element",
                     name: labels[set].into(),
-                    index: element,
+                    number: u64::from(element),
                 }
             })?;
             if *place != FREE {

@@ -54,7 +54,7 @@ fn elements_are_computed_once() {
         .build();
     assert!(matches!(
         outside.unwrap_err(),
-        ModelError::Mesh(MeshError::SetOutOfRange { index: 3, .. })
+        ModelError::Mesh(MeshError::SetOutOfRange { number: 3, .. })
     ));
 }
 
