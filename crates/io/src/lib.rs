@@ -2,18 +2,14 @@
 
 mod atomic;
 mod error;
-mod gmsh;
+pub mod gmsh;
 mod summary;
 mod table;
 mod vtu;
 
 pub use atomic::write_whole;
 pub use error::IoError;
-
-pub use gmsh::{
-    ByteOrder, Encoding, GmshError, GmshFault, GmshGroup, GmshMesh, GmshPlace, GmshReport,
-    GmshVersion, parse_gmsh, read_gmsh, write_gmsh,
-};
+pub use gmsh::{GmshError, GmshMesh, parse_gmsh, read_gmsh, write_gmsh};
 pub use summary::write_summary;
 pub use table::{TableColumn, read_table, write_table};
 pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuWriter};

@@ -236,7 +236,7 @@ pub enum GmshFault {
         group: i32,
     },
     /// An element type that this software does not compute with.
-    #[error("element {element} is a {name}; hex8, tet4, wedge6 and bar2 are read")]
+    #[error("element {element} is a {name}; hex8, tet4, wedge6, bar2 and their facets are read")]
     UnsupportedElement {
         /// The type.
         name: &'static str,

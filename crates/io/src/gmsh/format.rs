@@ -1,5 +1,6 @@
 //! The head of a file: version, text or binary, byte order.
 
+use super::cursor::is_blank;
 use super::error::{GmshFault, Located, snippet};
 
 /// Versions of the format that are read.
@@ -44,6 +45,8 @@ const SECTION: &str = "$MeshFormat";
 /// Reads the content of `$MeshFormat`, which starts at `at`; returns where it ends.
 pub(super) fn read(bytes: &[u8], at: usize) -> Result<(Format, usize), Located> {
     let fault = |offset, fault: GmshFault| Located::new(SECTION, offset, fault);
+    let blanks = bytes[at..].iter().take_while(|byte| is_blank(**byte));
+    let at = at + blanks.count();
     let rest = &bytes[at..];
     let length = rest.iter().position(|byte| *byte == b'\n').ok_or_else(|| {
         let section = SECTION.into();

@@ -29,17 +29,22 @@ fn count(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<
     cursor.fits(offset, count, record, what)
 }
 
-/// The number of a node or element: an `int`, but of any size in text.
-fn tag(cursor: &mut Cursor<'_>, what: &'static str) -> Result<u64, Located> {
-    if cursor.encoding == Encoding::Text {
-        return cursor.size(what);
+/// The number of a node or element: an `int`, but of any size in text; not 0.
+fn number(cursor: &mut Cursor<'_>, what: &'static str) -> Result<u64, Located> {
+    let offset = cursor.place();
+    let number = if cursor.encoding == Encoding::Text {
+        cursor.size("a number")?
+    } else {
+        let number = cursor.integer("a number")?;
+        u64::try_from(number).map_err(|_| {
+            let (what, found) = ("a number", number.to_string());
+            cursor.fault(offset, GmshFault::Expected { what, found })
+        })?
+    };
+    if number == 0 {
+        return Err(cursor.fault(offset, GmshFault::Zero { what }));
     }
-    let offset = cursor.at;
-    let tag = cursor.integer(what)?;
-    u64::try_from(tag).map_err(|_| {
-        let found = tag.to_string();
-        cursor.fault(offset, GmshFault::Expected { what, found })
-    })
+    Ok(number)
 }
 
 /// A count among the integers of an element.
@@ -64,7 +69,7 @@ pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<RawNodes, Located> {
     let mut nodes = RawNodes::default();
     for _ in 0..count {
         let at = cursor.place();
-        nodes.tags.push(tag(cursor, "the number of a node")?);
+        nodes.tags.push(number(cursor, "node")?);
         let position = cursor.place();
         nodes.positions.push(Vec3::new(
             cursor.real("a coordinate")?,
@@ -96,7 +101,7 @@ pub(super) fn elements(
     if cursor.encoding == Encoding::Text {
         for _ in 0..count {
             let offset = cursor.place();
-            let number = tag(cursor, "the number of an element")?;
+            let number = number(cursor, "element")?;
             let type_at = cursor.place();
             let type_number = cursor.integer("an element type")?;
             let shape = shape(cursor, type_at, type_number, number)?;
@@ -121,7 +126,7 @@ pub(super) fn elements(
         let tags = small(cursor, INTEGER, "tags of an element")?;
         for _ in 0..following {
             let offset = cursor.at;
-            let number = tag(cursor, "the number of an element")?;
+            let number = number(cursor, "element")?;
             let shape = shape(cursor, type_at, type_number, number)?;
             element(cursor, lists, &mut raw, (number, offset), shape, tags)?;
         }
@@ -146,7 +151,7 @@ fn element(
     cursor: &mut Cursor<'_>,
     lists: &mut GroupLists,
     raw: &mut RawElements,
-    (number, offset): (u64, usize),
+    (tag, offset): (u64, usize),
     shape: Shape,
     tags: usize,
 ) -> Result<(), Located> {
@@ -162,7 +167,7 @@ fn element(
         }
     }
     raw.elements.push(RawElement {
-        tag: number,
+        tag,
         shape,
         entity,
         groups: lists.intern((group != 0).then_some(group)),
@@ -170,7 +175,7 @@ fn element(
         offset,
     });
     for _ in 0..shape.node_count() {
-        raw.nodes.push(tag(cursor, "a node of an element")?);
+        raw.nodes.push(number(cursor, "node")?);
     }
     Ok(())
 }

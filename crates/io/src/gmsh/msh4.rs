@@ -155,6 +155,15 @@ impl Head {
     }
 }
 
+/// The number of a node or element, which is not 0.
+fn number(cursor: &mut Cursor<'_>, what: &'static str) -> Result<u64, Located> {
+    let offset = cursor.place();
+    match cursor.size("a number")? {
+        0 => Err(cursor.fault(offset, GmshFault::Zero { what })),
+        number => Ok(number),
+    }
+}
+
 fn dimension(cursor: &mut Cursor<'_>) -> Result<usize, Located> {
     let offset = cursor.place();
     let dimension = cursor.integer("the dimension of an entity")?;
@@ -200,7 +209,7 @@ pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<NodeLayout, Located> {
         let first = layout.offsets.len();
         for _ in 0..count {
             let tag = cursor.place();
-            layout.tags.push(cursor.size("the number of a node")?);
+            layout.tags.push(number(cursor, "node")?);
             layout.offsets.push(NodeOffsets { tag, position: tag });
         }
         for offsets in &mut layout.offsets[first..] {
@@ -271,7 +280,7 @@ pub(super) fn elements(cursor: &mut Cursor<'_>) -> Result<ElementLayout, Located
             count = cursor.count(record, "elements")?;
             for _ in 0..count {
                 layout.offsets.push(cursor.place());
-                layout.tags.push(cursor.size("the number of an element")?);
+                layout.tags.push(number(cursor, "element")?);
                 cursor.skip_sizes(shape.node_count(), "a node of an element")?;
             }
         }

@@ -115,9 +115,6 @@ impl RawMesh {
         let mut seen = HashSet::with_capacity(self.elements.elements.len());
         for element in &self.elements.elements {
             let fault = |fault: GmshFault| Located::new("$Elements", element.offset, fault);
-            if element.tag == 0 {
-                return Err(fault(GmshFault::Zero { what: "element" }));
-            }
             if !seen.insert(element.tag) {
                 let element = element.tag;
                 return Err(fault(MeshError::DuplicateElement { element }.into()));
@@ -140,10 +137,6 @@ impl RawMesh {
         let nodes = &self.nodes;
         let mut known = HashSet::with_capacity(nodes.tags.len());
         for ((&node, position), at) in nodes.tags.iter().zip(&nodes.positions).zip(&nodes.offsets) {
-            if node == 0 {
-                let fault = GmshFault::Zero { what: "node" };
-                return Err(Located::new("$Nodes", at.tag, fault));
-            }
             if !known.insert(node) {
                 let fault = MeshError::DuplicateNode { node };
                 return Err(Located::new("$Nodes", at.tag, fault));

@@ -1,0 +1,75 @@
+//! Files that Gmsh itself wrote.
+
+use powerhouse_io::gmsh::{ByteOrder, Encoding, GmshVersion};
+use powerhouse_io::read_gmsh;
+use powerhouse_model::Mesh;
+
+fn data(name: &str) -> String {
+    format!("{}/../../data/meshes/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn sizes(mesh: &Mesh, names: &[&str]) -> Vec<usize> {
+    let size = |name: &&str| mesh.facet_set(name).unwrap().len();
+    names.iter().map(size).collect()
+}
+
+/// The cavern's mesh comes with all its nodes, elements and named sets, as its maker lists them.
+#[test]
+fn the_cavern_is_read_whole() {
+    let faces = [
+        "left", "right", "front", "back", "bottom", "top", "intrados",
+    ];
+    let gmsh = read_gmsh(data("cavern.msh")).unwrap();
+    let mesh = &gmsh.mesh;
+    assert_eq!(mesh.node_count(), 17_865);
+    assert_eq!(mesh.element_count(), 15_792);
+    assert_eq!(mesh.element_set("rock").unwrap().len(), 15_280);
+    assert_eq!(mesh.element_set("lining").unwrap().len(), 512);
+    assert_eq!(sizes(mesh, &faces), [546, 546, 632, 632, 624, 624, 448]);
+    assert_eq!(gmsh.report.version, GmshVersion::Four);
+    assert_eq!(gmsh.report.encoding, Encoding::Text);
+    assert_eq!(gmsh.report.dropped_nodes, 0);
+    assert_eq!(gmsh.report.quality.parts, 1);
+    let area: f64 = (mesh.facet_set("intrados").unwrap().iter())
+        .map(|&facet| mesh.facet_geometry(facet).area())
+        .sum();
+    assert!((area - 6_073.7).abs() < 0.05, "{area}");
+
+    let small = read_gmsh(data("cavern_small.msh")).unwrap().mesh;
+    assert_eq!((small.node_count(), small.element_count()), (4_572, 3_792));
+    assert_eq!(sizes(&small, &faces), [216, 216, 216, 216, 252, 252, 128]);
+}
+
+/// What Gmsh writes of one mesh in each of its formats is one mesh: elements in two groups once,
+/// a group without a name, a point of no element left out, periodic pairs passed over.
+#[test]
+fn all_formats_of_gmsh_give_one_mesh() {
+    let little = Encoding::Binary(ByteOrder::Little);
+    for (name, version, encoding) in [
+        ("41_text", GmshVersion::Four, Encoding::Text),
+        ("41_binary", GmshVersion::Four, little),
+        ("22_text", GmshVersion::Two, Encoding::Text),
+        ("22_binary", GmshVersion::Two, little),
+    ] {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gmsh/data");
+        let gmsh = read_gmsh(format!("{folder}/two_layers_{name}.msh")).unwrap();
+        let (mesh, report) = (&gmsh.mesh, &gmsh.report);
+        assert_eq!((report.version, report.encoding), (version, encoding));
+        assert_eq!(
+            (mesh.node_count(), mesh.element_count()),
+            (27, 10),
+            "{name}"
+        );
+        assert_eq!(mesh.element_set("rock mass").unwrap(), [2, 3, 4, 5]);
+        assert_eq!(mesh.element_set("both").unwrap(), [2, 3, 4, 5, 6, 7, 8, 9]);
+        assert_eq!(mesh.element_set("physical_1_4").unwrap(), [0, 1]);
+        assert_eq!(mesh.facet_set("bottom é").unwrap().len(), 4);
+        assert_eq!(mesh.node_set("probe").unwrap(), [0]);
+        for element in mesh.element_set("both").unwrap() {
+            let node = mesh.nodes_of(*element)[6] as usize;
+            let diagonal =
+                mesh.positions()[node] - mesh.positions()[mesh.nodes_of(*element)[0] as usize];
+            assert_eq!(diagonal.as_slice(), [0.5, 0.5, 1.0], "{name}");
+        }
+    }
+}

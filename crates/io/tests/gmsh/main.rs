@@ -1,0 +1,8 @@
+//! Reading and writing Gmsh files.
+
+mod files;
+mod malformed;
+mod meaning;
+mod mutated;
+mod round_trip;
+mod sample;

@@ -1,0 +1,571 @@
+//! Files that must not be read, and what is said of them.
+
+use powerhouse_io::gmsh::{GmshFault, GmshPlace};
+use powerhouse_io::{GmshError, read_gmsh};
+use powerhouse_model::MeshError;
+
+use crate::sample::{FORMATS, Format, Sample, fault};
+
+/// The fault of the tower after a change, in every format.
+fn changed(change: impl Fn(&mut Sample)) -> Vec<(Format, Vec<u8>, GmshPlace, GmshFault)> {
+    let mut sample = Sample::tower();
+    change(&mut sample);
+    let of = |format| {
+        let file = sample.file(format);
+        let (place, fault) = fault(&file);
+        (format, file, place, fault)
+    };
+    FORMATS.into_iter().map(of).collect()
+}
+
+/// The fault is this one, in every format; in a text its line starts with that number.
+fn always(wanted: GmshFault, section: &str, starts: &str, change: impl Fn(&mut Sample)) {
+    for (format, file, place, fault) in changed(change) {
+        assert_eq!(fault, wanted, "{format:?}");
+        assert_eq!(place.section, section, "{format:?}");
+        if format.is_text() {
+            let text = String::from_utf8(file).unwrap();
+            let line = text.lines().nth(place.line.unwrap() - 1).unwrap();
+            assert!(line.starts_with(starts), "{format:?}: '{line}'");
+        } else {
+            assert_eq!(place.line, None);
+            assert!(place.offset < file.len());
+        }
+    }
+}
+
+/// The tower's text with one passage replaced.
+fn edit(format: Format, from: &str, to: &str) -> (GmshPlace, GmshFault) {
+    let text = String::from_utf8(Sample::tower().file(format)).unwrap();
+    assert!(text.contains(from), "{from}");
+    fault(text.replacen(from, to, 1).as_bytes())
+}
+
+fn mesh(error: MeshError) -> GmshFault {
+    GmshFault::Mesh(error)
+}
+
+/// A fault of a node names the node and its place.
+#[test]
+fn faults_of_nodes() {
+    let node = 207;
+    let twice = mesh(MeshError::DuplicateNode { node });
+    always(twice, "$Nodes", "207", |s| s.nodes.push((207, [9.0; 3])));
+    for value in [f64::INFINITY, f64::NEG_INFINITY] {
+        let endless = mesh(MeshError::CoordinateNotFinite {
+            node,
+            axis: 'y',
+            value,
+        });
+        always(endless, "$Nodes", "", |s| {
+            s.nodes.iter_mut().find(|n| n.0 == 207).unwrap().1[1] = value;
+        });
+    }
+    for (_, _, place, fault) in
+        changed(|s| s.nodes.iter_mut().find(|n| n.0 == 2).unwrap().1[2] = f64::NAN)
+    {
+        assert_eq!(place.section, "$Nodes");
+        assert!(matches!(
+            fault,
+            GmshFault::Mesh(MeshError::CoordinateNotFinite { node: 2, axis: 'z', value }) if value.is_nan()
+        ));
+    }
+    let zero = GmshFault::Zero { what: "node" };
+    always(zero, "$Nodes", "0", |s| s.nodes[5].0 = 0);
+}
+
+/// A fault of an element names the element and its place.
+#[test]
+fn faults_of_elements() {
+    let dangling = mesh(MeshError::DanglingNode {
+        element: 25,
+        node: 999,
+    });
+    always(dangling, "$Elements", "25", |s| {
+        s.elements[4].nodes[3] = 999
+    });
+    let dangling = mesh(MeshError::DanglingNode {
+        element: 19,
+        node: 999,
+    });
+    always(dangling, "$Elements", "19", |s| {
+        s.elements[2].nodes[1] = 999
+    });
+    let repeated = mesh(MeshError::RepeatedNode {
+        element: 31,
+        node: 107,
+    });
+    always(repeated, "$Elements", "31", |s| {
+        s.elements[6].nodes[2] = 107
+    });
+    let twice = mesh(MeshError::DuplicateElement { element: 25 });
+    always(twice, "$Elements", "25", |s| s.elements[6].tag = 25);
+    let same = mesh(MeshError::CoincidentElements {
+        first: 34,
+        second: 37,
+    });
+    always(same, "$Elements", "37", |s| {
+        s.element(4, 3, &[2], &[50, 51, 52, 2]);
+    });
+    let zero = GmshFault::Zero { what: "element" };
+    always(zero, "$Elements", "0", |s| s.elements[4].tag = 0);
+}
+
+/// Inverted and flat elements are found on reading, with their place.
+#[test]
+fn faults_of_shape() {
+    for (_, _, place, fault) in changed(|s| s.elements[7].nodes.swap(0, 1)) {
+        assert_eq!(place.section, "$Elements");
+        assert!(matches!(
+            fault,
+            GmshFault::Mesh(MeshError::Inverted { element: 34, .. })
+        ));
+    }
+    let flat = |s: &mut Sample| s.nodes.iter_mut().find(|n| n.0 == 2).unwrap().1[2] = 3.25;
+    for (format, file, place, fault) in changed(flat) {
+        assert!(matches!(
+            fault,
+            GmshFault::Mesh(MeshError::Inverted { element: 34, .. })
+        ));
+        if format.is_text() {
+            let text = String::from_utf8(file).unwrap();
+            let line = text.lines().nth(place.line.unwrap() - 1).unwrap();
+            assert!(line.starts_with("34 "), "{line}");
+        }
+    }
+}
+
+/// A facet that is no side of a solid and a point away from the mesh are faults.
+#[test]
+fn faults_of_groups() {
+    let nodes = vec![300, 307, 314, 200];
+    let lost = mesh(MeshError::FacetWithoutElement {
+        name: "base".into(),
+        nodes: nodes.clone(),
+    });
+    always(lost, "$Elements", "19", |s| {
+        s.elements[2].nodes = nodes.clone()
+    });
+    let away = GmshFault::PointWithoutElement {
+        group: "tip".into(),
+        node: 1,
+    };
+    always(away, "$Elements", "13", |s| s.elements[0].nodes = vec![1]);
+    let only = GmshFault::NoSolids {
+        facets: 2,
+        lines: 0,
+        points: 1,
+    };
+    always(only, "$Elements", "", |s| {
+        s.elements.retain(|e| e.dimension == 2 || e.dimension == 0);
+    });
+    let none = GmshFault::NoSolids {
+        facets: 0,
+        lines: 0,
+        points: 0,
+    };
+    always(none, "$Elements", "", |s| s.elements.clear());
+}
+
+/// Element types that are not computed with are named, with their first element.
+#[test]
+fn other_element_types_are_named() {
+    for (number, name, nodes) in [
+        (17, "hex20", 20),
+        (11, "tet10", 10),
+        (7, "pyramid5", 5),
+        (18, "wedge15", 15),
+        (140, "rare high-order type", 9),
+    ] {
+        let wanted = GmshFault::UnsupportedElement { name, element: 25 };
+        always(wanted, "$Elements", "", |s| {
+            s.elements[4].type_number = number;
+            s.elements[4].nodes = (0..nodes).map(|n| s.nodes[n % 17].0).collect();
+        });
+    }
+    for number in [0, 141, 999, -5, i32::MIN, i32::MAX] {
+        let wanted = GmshFault::ElementType {
+            number: number.into(),
+        };
+        always(wanted, "$Elements", "", |s| {
+            s.elements[4].type_number = number
+        });
+    }
+}
+
+/// Counts that are too small, too large or out of all bounds are faults of their section, found
+/// before anything is kept in memory for them.
+#[test]
+fn wrong_counts() {
+    let huge = [1_000, 1_000_000_000, 1 << 31, 1 << 61, u64::MAX];
+    for wrong in [0, 1, 16, 18, 25, 40].into_iter().chain(huge) {
+        for (format, _, place, fault) in changed(|s| s.stated_nodes = Some(wrong)) {
+            assert_eq!(place.section, "$Nodes", "{format:?}, {wrong}: {fault}");
+        }
+    }
+    // Nine records in version 2.2, eight in 4.1.
+    for wrong in [0, 1, 7, 10, 30].into_iter().chain(huge) {
+        for (format, _, place, fault) in changed(|s| s.stated_elements = Some(wrong)) {
+            assert_eq!(place.section, "$Elements", "{format:?}, {wrong}: {fault}");
+        }
+    }
+    for format in FORMATS {
+        if matches!(format, Format::Binary2(_) | Format::Binary4(_, 4)) {
+            continue;
+        }
+        let mut sample = Sample::tower();
+        sample.stated_nodes = Some(1_000_000_000_000_000_000);
+        let (_, fault) = fault(&sample.file(format));
+        let what = "nodes";
+        let count = 1_000_000_000_000_000_000;
+        assert!(
+            matches!(fault, GmshFault::Count { what: w, count: c, .. } if w == what && c == count),
+            "{format:?}: {fault}"
+        );
+    }
+}
+
+/// Counts inside the blocks of version 4.1, and the range of numbers at their head.
+#[test]
+fn wrong_counts_of_blocks() {
+    let place = |from: &str, to: &str| edit(Format::Text4, from, to);
+    // The head of $Nodes: 5 blocks, 17 nodes, 1 to 321.
+    for wrong in [
+        "4 17 1 321",
+        "6 17 1 321",
+        "-5 17 1 321",
+        "99999999999 17 1 321",
+    ] {
+        assert_eq!(place("5 17 1 321", wrong).0.section, "$Nodes", "{wrong}");
+    }
+    for (wrong, stated) in [("5 17 2 321", (2, 321)), ("5 17 1 400", (1, 400))] {
+        let fault = place("5 17 1 321", wrong).1;
+        let found = (1, 321);
+        assert_eq!(
+            fault,
+            GmshFault::Range {
+                what: "nodes",
+                stated,
+                found
+            }
+        );
+    }
+    for wrong in ["3 1 0 4", "3 1 0 6", "3 1 0 -1", "3 1 0 800000000000000000"] {
+        assert_eq!(place("3 1 0 5", wrong).0.section, "$Nodes", "{wrong}");
+    }
+    for wrong in ["3 3 4 2", "3 3 4 0", "3 3 4 1000000000000000000"] {
+        assert_eq!(place("3 3 4 1", wrong).0.section, "$Elements", "{wrong}");
+    }
+    let (at, fault) = place("3 3 4 1", "2 3 4 1");
+    assert_eq!(
+        fault,
+        GmshFault::Dimension {
+            what: "a tet4",
+            dimension: 2
+        }
+    );
+    assert_eq!(at.section, "$Elements");
+    let fault = place("3 1 0 5", "4 1 0 5").1;
+    assert_eq!(
+        fault,
+        GmshFault::Dimension {
+            what: "an entity",
+            dimension: 4
+        }
+    );
+    // The head of $Entities: 1 point, 1 curve, 2 surfaces, 3 volumes.
+    for wrong in [
+        "1 1 2 4",
+        "1 1 2 2",
+        "1000000000000 1 2 3",
+        "1 1 2 -3",
+        "1 1 2",
+    ] {
+        assert_eq!(place("1 1 2 3", wrong).0.section, "$Entities", "{wrong}");
+    }
+    for wrong in ["0.5 1000000000 4", "0.5 2 4", "0.5 -1 4"] {
+        assert_eq!(place("0.5 1 4", wrong).0.section, "$Entities", "{wrong}");
+    }
+    let fault = edit(
+        Format::Text4,
+        "\n2 0.5 0.5 0.5 0.5 0.5 0.5 2 1 2",
+        "\n1 0.5 0.5 0.5 0.5 0.5 0.5 2 1 2",
+    )
+    .1;
+    assert_eq!(
+        fault,
+        GmshFault::RepeatedEntity {
+            dimension: 3,
+            entity: 1
+        }
+    );
+}
+
+/// Words that are no numbers, numbers without a blank between them, and numbers too many are
+/// found at their place.
+#[test]
+fn words_that_are_no_numbers() {
+    for format in [Format::Text2, Format::Text4] {
+        for wrong in [
+            "x 1.0 0.0",
+            "1.0 1.0-2.0 0.0",
+            "1.0 1.0 0.0 4.0",
+            "1.0 1.0",
+            "1,0 1.0 0.0",
+        ] {
+            let (place, fault) = edit(format, "1.0 1.0 0.1\n", &format!("{wrong}\n"));
+            assert_eq!(place.section, "$Nodes", "{wrong}: {fault}");
+        }
+        for wrong in [
+            "50 51 52 2.5",
+            "50 51 52 -2",
+            "50 51 52",
+            "50 51 52 2 2",
+            "50 51 5 2 2",
+            "fifty 51 52 2",
+        ] {
+            let (place, fault) = edit(format, "50 51 52 2\n", &format!("{wrong}\n"));
+            assert_eq!(place.section, "$Elements", "{wrong}: {fault}");
+        }
+        let (place, fault) = edit(format, "1.0 1.0 0.1\n", "1.0 abc 0.1\n");
+        let GmshFault::Expected { found, .. } = fault else {
+            panic!("{fault}");
+        };
+        assert!(found.starts_with("abc"), "{found}");
+        let text = String::from_utf8(Sample::tower().file(format)).unwrap();
+        let mut lines = text.lines();
+        let line = lines.position(|line| line.ends_with("1.0 1.0 0.1"));
+        assert_eq!(place.line, line.map(|line| line + 1));
+    }
+}
+
+/// The head decides what is read at all.
+#[test]
+fn faults_of_the_head() {
+    for (empty, wanted) in [
+        (&b""[..], GmshFault::Empty),
+        (b" \r\n\t \n", GmshFault::Empty),
+    ] {
+        assert_eq!(fault(empty).1, wanted);
+    }
+    for other in [
+        "hello\n",
+        "$Nodes\n0\n$EndNodes\n",
+        "solid cube\n",
+        "\0\0\0\0",
+        "$",
+        "$$\n",
+    ] {
+        assert!(
+            matches!(fault(other.as_bytes()).1, GmshFault::NotGmsh { .. }),
+            "{other}"
+        );
+    }
+    for version in ["1.0", "2.0", "2.1", "3.0", "4.0", "4.2", "x", "41"] {
+        let head = format!("$MeshFormat\n{version} 0 8\n$EndMeshFormat\n");
+        let wanted = GmshFault::Version {
+            version: version.into(),
+        };
+        assert_eq!(fault(head.as_bytes()).1, wanted);
+    }
+    let one = fault(b"$NOD\n0\n$ENDNOD\n").1;
+    assert_eq!(
+        one,
+        GmshFault::Version {
+            version: "1".into()
+        }
+    );
+    for (version, sizes, permitted) in [
+        ("4.1", [5, 9, 16, 0, 3], "4 or 8"),
+        ("2.2", [4, 5, 9, 16, 0], "8"),
+    ] {
+        for (file_type, size) in [0, 1].into_iter().flat_map(|t| sizes.map(|size| (t, size))) {
+            let head =
+                format!("$MeshFormat\n{version} {file_type} {size}\n\x01\0\0\0\n$EndMeshFormat\n");
+            let wanted = GmshFault::DataSize {
+                found: size,
+                permitted,
+            };
+            assert_eq!(fault(head.as_bytes()).1, wanted);
+        }
+    }
+    for (line, found) in [("4.1 2 8", 2), ("2.2 -1 8", -1)] {
+        let head = format!("$MeshFormat\n{line}\n$EndMeshFormat\n");
+        assert_eq!(fault(head.as_bytes()).1, GmshFault::FileType { found });
+    }
+    for line in [
+        "4.1 0",
+        "4.1",
+        "",
+        "4.1 0 8 9",
+        "4.1 0 x",
+        "4.1 y 8",
+        "4.1 0 -8",
+        "4.1 0 99999999999999999999",
+    ] {
+        let head = format!("$MeshFormat\n{line}\n$EndMeshFormat\n");
+        assert!(
+            matches!(fault(head.as_bytes()).1, GmshFault::Expected { .. }),
+            "{line}"
+        );
+    }
+}
+
+/// A byte order other than the file's own is noticed at the mark or at the first count.
+#[test]
+fn wrong_byte_order() {
+    for format in FORMATS.into_iter().filter(|format| !format.is_text()) {
+        let mut file = Sample::tower().file(format);
+        let mark = 12 + 8;
+        file[mark..mark + 4].reverse();
+        let (place, fault) = fault(&file);
+        assert!(!place.section.is_empty(), "{format:?}: {fault}");
+        file[mark..mark + 4].copy_from_slice(&[0, 1, 0, 0]);
+        let fault = crate::sample::fault(&file).1;
+        assert_eq!(fault, GmshFault::ByteOrder { found: 256 });
+        // Text that says it is binary.
+        file[mark..mark + 4].copy_from_slice(b"$End");
+        assert!(matches!(
+            crate::sample::fault(&file).1,
+            GmshFault::ByteOrder { .. }
+        ));
+    }
+    for format in [Format::Text2, Format::Text4] {
+        let (place, _) = edit(format, " 0 8", " 1 8");
+        assert_eq!(place.section, "$MeshFormat");
+    }
+}
+
+/// Sections that are missing, stand twice, do not end, or do not start.
+#[test]
+fn faults_of_sections() {
+    for format in FORMATS {
+        let file = Sample::tower().file(format);
+        let at = |marker: &[u8]| {
+            file.windows(marker.len())
+                .position(|w| w == marker)
+                .unwrap()
+        };
+        let (nodes, elements) = (at(b"$Nodes"), at(b"$Elements"));
+        let without_nodes = [&file[..nodes], &file[elements..]].concat();
+        assert_eq!(
+            fault(&without_nodes).1,
+            GmshFault::Missing { section: "$Nodes" }
+        );
+        let without_elements = &file[..elements];
+        assert_eq!(
+            fault(without_elements).1,
+            GmshFault::Missing {
+                section: "$Elements"
+            }
+        );
+        let twice = [&file[..], &file[nodes..elements]].concat();
+        assert_eq!(fault(&twice).1, GmshFault::Repeated { section: "$Nodes" });
+        let twice = [&file[..], &file[..at(b"$PhysicalNames")]].concat();
+        assert_eq!(
+            fault(&twice).1,
+            GmshFault::Repeated {
+                section: "$MeshFormat"
+            }
+        );
+        let stray = [&file[..], b"the end"].concat();
+        assert_eq!(
+            fault(&stray).1,
+            GmshFault::Stray {
+                found: "the end".into()
+            }
+        );
+        let open = [&file[..], b"$NodeData\n1 2 3\n"].concat();
+        let (place, fault) = fault(&open);
+        assert_eq!(
+            fault,
+            GmshFault::NotEnded {
+                section: "$NodeData".into()
+            }
+        );
+        assert_eq!(place.offset, file.len());
+    }
+    let (place, fault) = edit(Format::Text4, "$EndNodes\n", "");
+    assert_eq!(
+        fault,
+        GmshFault::NotEnded {
+            section: "$Nodes".into()
+        }
+    );
+    assert_eq!(place.section, "$Nodes");
+}
+
+/// What this software does not read is said plainly: parts of a mesh, parametric nodes.
+#[test]
+fn partitions_and_parameters() {
+    let mesh = String::from_utf8(Sample::tower().file(Format::Text4)).unwrap();
+    let parts = mesh + "$PartitionedEntities\n2\n0\n$EndPartitionedEntities\n";
+    assert_eq!(fault(parts.as_bytes()).1, GmshFault::Partitioned);
+    let (place, partitioned) = edit(Format::Text2, "34 4 2 2 3 50", "34 4 4 2 3 1 2 50");
+    assert_eq!(partitioned, GmshFault::Partitioned);
+    assert_eq!(place.section, "$Elements");
+    assert_eq!(
+        edit(Format::Text4, "3 1 0 5", "3 1 1 5").1,
+        GmshFault::Parametric
+    );
+    assert_eq!(
+        edit(Format::Text2, "$Nodes", "$ParametricNodes").1,
+        GmshFault::Parametric
+    );
+}
+
+/// Names of groups must agree with their count, stand in quotes and be UTF-8.
+#[test]
+fn faults_of_names() {
+    for format in [Format::Text2, Format::Text4] {
+        for (from, to) in [
+            ("\n5\n", "\n6\n"),
+            ("\n5\n", "\n-5\n"),
+            ("\n5\n", "\n1000000000000000000\n"),
+            ("\n5\n", "\n"),
+            ("\"base\"", "base"),
+            ("\"base\"", "\"base"),
+            ("2 1 \"base\"", "4 1 \"base\""),
+            ("2 1 \"base\"", "2 \"base\""),
+            ("2 1 \"base\"", "2 1 1 \"base\""),
+        ] {
+            let (place, fault) = edit(format, from, to);
+            assert_eq!(place.section, "$PhysicalNames", "{to}: {fault}");
+        }
+        let (_, fault) = edit(format, "3 2 \"", "3 1 \"");
+        assert_eq!(
+            fault,
+            GmshFault::RepeatedGroup {
+                dimension: 3,
+                group: 1
+            }
+        );
+    }
+    for format in FORMATS {
+        let mut file = Sample::tower().file(format);
+        let at = file
+            .windows(4)
+            .position(|window| window == b"base")
+            .unwrap();
+        file[at] = 0xe9;
+        let (place, fault) = fault(&file);
+        assert_eq!(place.section, "$PhysicalNames");
+        assert!(matches!(fault, GmshFault::Expected { .. }));
+    }
+}
+
+/// The message names file, line, section and number.
+#[test]
+fn the_message_says_where() {
+    let mut sample = Sample::tower();
+    sample.elements[4].nodes[3] = 999;
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("dangling.msh");
+    std::fs::write(&file, sample.file(Format::Text2)).unwrap();
+    let message = read_gmsh(&file).unwrap_err().to_string();
+    let wanted =
+        "dangling.msh: line 38 in $Elements: element 25 uses node 999, which does not exist";
+    assert!(message.ends_with(wanted), "{message}");
+    let missing = read_gmsh(file.with_file_name("absent.msh")).unwrap_err();
+    assert!(matches!(&missing, GmshError::File { .. }));
+    assert!(missing.to_string().contains("absent.msh"), "{missing}");
+}
