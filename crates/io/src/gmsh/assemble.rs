@@ -96,7 +96,7 @@ impl<'a> Assembly<'a> {
                 lines,
                 points,
             };
-            return Err(Located::new("$Elements", 0, fault));
+            return Err(Located::new("$Elements", raw.elements.start, fault));
         }
         let names: BTreeMap<(usize, i32), String> = (self.groups.keys())
             .map(|&(dimension, group)| ((dimension, group), self.group_name(dimension, group)))
@@ -171,7 +171,7 @@ impl<'a> Assembly<'a> {
             }
             _ => None,
         };
-        let offset = element.map_or(0, |element| element.offset);
+        let offset = element.map_or(elements.start, |element| element.offset);
         Located::new("$Elements", offset, error)
     }
 }

@@ -96,8 +96,12 @@ pub(super) fn elements(
         integers: 2,
         ..Record::default()
     };
+    let start = cursor.place();
     let count = count(cursor, least, "elements")?;
-    let mut raw = RawElements::default();
+    let mut raw = RawElements {
+        start,
+        ..RawElements::default()
+    };
     if cursor.encoding == Encoding::Text {
         for _ in 0..count {
             let offset = cursor.place();

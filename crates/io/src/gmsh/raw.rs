@@ -40,6 +40,8 @@ pub(super) struct RawElement {
 pub(super) struct RawElements {
     pub(super) elements: Vec<RawElement>,
     pub(super) nodes: Vec<u64>,
+    /// The byte at which the content of the section starts.
+    pub(super) start: usize,
 }
 
 impl RawElements {

@@ -141,7 +141,10 @@ fn take_elements(
         .flat_map(|elements| &elements.element_blocks)
         .collect();
     let wrong = |offset| disagreement("$Elements", offset, "elements");
-    let mut raw = RawElements::default();
+    let mut raw = RawElements {
+        start: layout.body.start,
+        ..RawElements::default()
+    };
     raw.elements.reserve(layout.tags.len());
     for ((block, scanned), shape) in blocks.iter().zip(&layout.blocks).zip(&layout.shapes) {
         let (dimension, entity) = (block.entity_dim, block.entity_tag);

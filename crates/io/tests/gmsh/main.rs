@@ -6,3 +6,4 @@ mod meaning;
 mod mutated;
 mod round_trip;
 mod sample;
+mod structure;

@@ -379,6 +379,13 @@ pub(crate) fn fault(bytes: &[u8]) -> (GmshPlace, GmshFault) {
     }
 }
 
+/// Place and fault of the tower's text with one passage replaced.
+pub(crate) fn edit(format: Format, from: &str, to: &str) -> (GmshPlace, GmshFault) {
+    let text = String::from_utf8(Sample::tower().file(format)).unwrap();
+    assert!(text.contains(from), "{from}");
+    fault(text.replacen(from, to, 1).as_bytes())
+}
+
 /// Numbers that look random and are the same in every run (Steele, Lea, Flood 2014, SplitMix64).
 pub(crate) struct Random(pub(crate) u64);
 
