@@ -101,26 +101,14 @@ impl<'a> Cursor<'a> {
             Ok(f64::from_le_bytes(self.raw(what)?))
         }
     }
-    /// Passes over numbers of eight bytes, or words.
+    /// Passes over `double`s. In a text each is looked at, so that two numbers without a blank
+    /// between them are found where they stand.
     pub(super) fn skip_reals(&mut self, count: usize, what: &'static str) -> Result<(), Located> {
-        for _ in 0..count {
-            if self.is_text() {
-                self.word(what)?;
-            } else {
-                self.raw::<8>(what)?;
-            }
-        }
-        Ok(())
+        (0..count).try_for_each(|_| self.real(what).map(drop))
     }
+    /// Passes over `size_t`s, as [`skip_reals`](Self::skip_reals).
     pub(super) fn skip_sizes(&mut self, count: usize, what: &'static str) -> Result<(), Located> {
-        for _ in 0..count {
-            match (self.is_text(), self.size_width) {
-                (true, _) => drop(self.word(what)?),
-                (false, 4) => drop(self.raw::<4>(what)?),
-                (false, _) => drop(self.raw::<8>(what)?),
-            }
-        }
-        Ok(())
+        (0..count).try_for_each(|_| self.size(what).map(drop))
     }
     /// Checks that so many records can stand in what is left of the section.
     pub(super) fn fits(

@@ -49,7 +49,7 @@ impl Excerpt {
             None => ("", 0),
         };
         let fault = match error.first_msh_error() {
-            // The scanner has counted the words, so one of them is no number.
+            // The scanner took a word for a number, mshio does not: a plus sign, say.
             None
             | Some(
                 MshParserErrorKind::InvalidTag

@@ -159,6 +159,17 @@ fn faults_of_groups() {
     always(none, "$Elements", "", |s| s.elements.clear());
 }
 
+/// A word that only the second reading of version 4.1 refuses is found at its place too.
+#[test]
+fn a_word_that_one_reading_refuses() {
+    let (place, fault) = edit(Format::Text4, "34 50 51 52 2\n", "34 50 +51 52 2\n");
+    let (what, found) = ("a number", "+51 52 2".into());
+    assert_eq!(fault, GmshFault::Expected { what, found });
+    let text = String::from_utf8(Sample::tower().file(Format::Text4)).unwrap();
+    let line = text.lines().position(|line| line == "34 50 51 52 2");
+    assert_eq!(place.line, line.map(|line| line + 1));
+}
+
 /// Element types that are not computed with are named, with their first element.
 #[test]
 fn other_element_types_are_named() {
