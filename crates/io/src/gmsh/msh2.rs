@@ -8,7 +8,7 @@ use powerhouse_model::Vec3;
 use super::cursor::{Cursor, Record};
 use super::error::{GmshFault, Located};
 use super::format::Encoding;
-use super::raw::{GroupList, GroupLists, NodeOffsets, RawElement, RawElements, RawNodes};
+use super::raw::{GroupLists, NodeOffsets, RawElement, RawElements, RawNodes};
 use super::shape::{Meaning, Shape};
 
 /// The count at the head of a section, which is text in binary files too.
@@ -214,11 +214,4 @@ pub(super) fn merge(raw: &mut RawElements, lists: &mut GroupLists) -> usize {
     let merged = raw.elements.len() - kept.len();
     raw.elements = kept;
     merged
-}
-
-impl GroupList {
-    /// Whether there is no group.
-    pub(super) fn is_none(self) -> bool {
-        self == Self::NONE
-    }
 }

@@ -57,6 +57,9 @@ pub(super) struct GroupList(u32);
 impl GroupList {
     /// No group.
     pub(super) const NONE: Self = Self(0);
+    pub(super) fn is_none(self) -> bool {
+        self == Self::NONE
+    }
 }
 
 /// Every combination of groups that occurs, once.
