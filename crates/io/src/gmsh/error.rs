@@ -6,18 +6,15 @@ use std::path::PathBuf;
 use powerhouse_model::MeshError;
 use thiserror::Error;
 
+use crate::IoError;
+
 /// A Gmsh file that could not be read or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GmshError {
     /// The operating system refused.
-    #[error("{}: {source}", file.display())]
-    File {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    File(#[from] IoError),
     /// The file's content is at fault.
     #[error("{}{place}: {fault}", prefix(file))]
     Content {

@@ -61,6 +61,8 @@ use std::path::{Path, PathBuf};
 
 use powerhouse_model::Mesh;
 
+use crate::IoError;
+
 pub use error::{GmshError, GmshFault, GmshPlace};
 pub use format::{ByteOrder, Encoding, GmshVersion};
 pub use report::{GmshGroup, GmshReport};
@@ -82,10 +84,7 @@ pub struct GmshMesh {
 /// section and the node or element at fault.
 pub fn read_gmsh(path: impl AsRef<Path>) -> Result<GmshMesh, GmshError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|source| GmshError::File {
-        file: path.into(),
-        source,
-    })?;
+    let bytes = std::fs::read(path).map_err(IoError::file(path))?;
     parse(&bytes, Some(path.into()))
 }
 

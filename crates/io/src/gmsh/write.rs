@@ -8,8 +8,9 @@ use powerhouse_model::Mesh;
 
 use super::error::GmshError;
 use super::shape::Shape;
+use crate::write_whole;
 
-/// Writes a mesh as a Gmsh file of version 4.1, as text.
+/// Writes a mesh as a Gmsh file of version 4.1, as text; see [`write_whole`] for the file itself.
 ///
 /// Nodes and elements keep their numbers and their order; every named set becomes a physical
 /// group. In this format an element belongs to one entity and an entity to any number of groups,
@@ -29,10 +30,7 @@ pub fn write_gmsh(path: impl AsRef<Path>, mesh: &Mesh) -> Result<(), GmshError> 
     draft.facets(path, mesh)?;
     draft.number(path, mesh)?;
     draft.elements(path, mesh)?;
-    std::fs::write(path, draft.text(mesh)).map_err(|source| GmshError::File {
-        file: path.into(),
-        source,
-    })
+    Ok(write_whole(path, draft.text(mesh).as_bytes())?)
 }
 
 /// One element of the file.

@@ -179,6 +179,7 @@ fn the_writer_refuses_what_it_cannot_say() {
             ..
         })
     ));
-    let nowhere = write_gmsh(path("no/such/folder.msh"), &tet(9, 1.0, "rock"));
-    assert!(matches!(nowhere, Err(GmshError::File { .. })));
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let nowhere = write_gmsh(folder, &tet(9, 1.0, "rock"));
+    assert!(matches!(nowhere, Err(GmshError::File(_))));
 }
