@@ -11,6 +11,7 @@ mod loads;
 mod model;
 mod nodes;
 mod numbering;
+pub mod observe;
 mod partition;
 mod run;
 mod spectrum;

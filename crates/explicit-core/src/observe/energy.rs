@@ -1,0 +1,73 @@
+//! The energy ledger against time.
+
+use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, StepView};
+
+use super::{HistoryTable, ObserveError, Recording, check_cadence};
+
+/// The columns of the engine's energy ledger (J) against time, under the ledger's own names.
+///
+/// Memory: 8 bytes per column and row.
+pub struct EnergyHistory {
+    cadence: Cadence,
+    row: Vec<f64>,
+    recording: Recording<HistoryTable>,
+}
+
+impl EnergyHistory {
+    /// An energy history.
+    ///
+    /// # Errors
+    /// A cadence out of range.
+    pub fn new(cadence: Cadence) -> Result<Self, ObserveError> {
+        check_cadence(cadence)?;
+        Ok(Self {
+            cadence,
+            row: Vec::new(),
+            recording: Recording::default(),
+        })
+    }
+    /// The table that the history fills; its columns are there after the first step seen.
+    pub fn recording(&self) -> Recording<HistoryTable> {
+        self.recording.clone()
+    }
+}
+
+impl Observer for EnergyHistory {
+    fn name(&self) -> &str {
+        "energy history"
+    }
+    fn fields(&self) -> Fields {
+        Fields {
+            energy: true,
+            ..Fields::default()
+        }
+    }
+    fn cadence(&self) -> Cadence {
+        self.cadence
+    }
+    fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
+        let energies = view.energies();
+        if energies.is_empty() {
+            return Err(ObserveError::NoLedger.into());
+        }
+        let mut table = self.recording.lock();
+        if table.times.is_empty() {
+            table.columns.clear();
+            for (name, _) in energies {
+                table.add_column((*name).into(), "J")?;
+            }
+        }
+        let expected = table.columns.iter().map(|column| column.name.as_str());
+        if !expected.clone().eq(energies.iter().map(|energy| energy.0)) {
+            return Err(ObserveError::LedgerChanged {
+                found: energies.iter().map(|energy| energy.0.into()).collect(),
+                expected: expected.map(String::from).collect(),
+            }
+            .into());
+        }
+        self.row.clear();
+        self.row.extend(energies.iter().map(|energy| energy.1));
+        table.push(view.time(), &self.row);
+        Ok(Flow::Continue)
+    }
+}

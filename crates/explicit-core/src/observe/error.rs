@@ -1,0 +1,80 @@
+//! What observers refuse.
+
+use powerhouse_model::{MeshError, ModelError, ParameterError};
+use thiserror::Error;
+
+/// An observer that cannot be made, or cannot go on. Nodes and elements are named by the user's
+/// numbers.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ObserveError {
+    /// A parameter outside its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A set that does not exist, or a point outside the mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// Two results of the same name.
+    #[error("two results are called '{name}'")]
+    NameTwice {
+        /// The name.
+        name: String,
+    },
+    /// A node that does not exist.
+    #[error("'{name}' asks for node {node}, which does not exist")]
+    NoSuchNode {
+        /// Who asks.
+        name: String,
+        /// The node's number.
+        node: u64,
+    },
+    /// An element that does not exist.
+    #[error("'{name}' asks for element {element}, which does not exist")]
+    NoSuchElement {
+        /// Who asks.
+        name: String,
+        /// The element's number.
+        element: u64,
+    },
+    /// A node set without nodes has no mean.
+    #[error("'{name}' asks for the mean of node set '{set}', which is empty")]
+    EmptySet {
+        /// Who asks.
+        name: String,
+        /// The set.
+        set: String,
+    },
+    /// An energy history without an energy ledger.
+    #[error("the run keeps no energy ledger")]
+    NoLedger,
+    /// A ledger with other columns than before.
+    #[error("the energy ledger has the columns {found:?}, before it had {expected:?}")]
+    LedgerChanged {
+        /// Now.
+        found: Vec<String>,
+        /// At the first step seen.
+        expected: Vec<String>,
+    },
+    /// A motion or a stress that is not finite.
+    #[error("{what} of {place} {number} is not finite at t = {time:.6e} s")]
+    NotFinite {
+        /// `displacement`, `velocity`, `acceleration` or `stress`.
+        what: &'static str,
+        /// `node` or `element`.
+        place: &'static str,
+        /// Its number.
+        number: u64,
+        /// The time (s).
+        time: f64,
+    },
+}
+
+impl From<ObserveError> for ModelError {
+    fn from(error: ObserveError) -> Self {
+        match error {
+            ObserveError::Parameter(source) => Self::Parameter(source),
+            ObserveError::Mesh(source) => Self::Mesh(source),
+            other => Self::refused("observer", other),
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! Motion and stress against time.
+
+use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Stress, Vec3};
+
+use super::place::{Probe, elements, probes};
+use super::{
+    HistoryTable, Motion, ObserveError, Place, Recording, StressPlace, check_cadence,
+    principal_stresses,
+};
+
+/// Motion at places, relative motion between them, and stress of elements, against time.
+///
+/// Columns of a motion called `crown` are `crown.ux`, `crown.uy`, `crown.uz` (m), `crown.vx` ... (m/s)
+/// and `crown.ax` ... (m/s2). A relative motion is that of the second place less that of the
+/// first; with displacements comes `crown.apart` (m), its component along the line from the first
+/// place to the second, positive when they part. Columns of a stress called `lining` are
+/// `lining.xx`, `.yy`, `.zz`, `.xy`, `.yz`, `.zx` and the principal stresses `lining.s1` >=
+/// `lining.s2` >= `lining.s3` (Pa, the change of stress, mean over the element).
+///
+/// Memory: 8 bytes per column and row.
+///
+/// ```
+/// use powerhouse_explicit_core::observe::{History, Motion, Place};
+/// use powerhouse_model::{Cadence, Mesh, Observer, Vec3};
+/// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(10.0), [5, 5, 5], "rock")?;
+/// let (crown, floor) = (Vec3::new(5.0, 5.0, 8.3), Vec3::new(5.0, 5.0, 1.7));
+/// let history = History::builder(Cadence::Seconds(0.01))
+///     .motion("crown", crown, Motion::ALL)
+///     .relative("closure", floor, crown, Motion::DISPLACEMENT)
+///     .motion("corner", Place::Node(1), Motion::ACCELERATION)
+///     .stress("roof", Vec3::new(5.0, 5.0, 9.0))
+///     .build(&mesh)?;
+/// let recording = history.recording();
+/// assert!(history.fields().acceleration && history.fields().stress);
+/// assert_eq!(recording.read(|table| table.columns.len()), 9 + 4 + 3 + 9);
+/// # Ok::<(), powerhouse_explicit_core::observe::ObserveError>(())
+/// ```
+pub struct History {
+    cadence: Cadence,
+    probes: Vec<Probe>,
+    elements: Vec<u32>,
+    channels: Vec<Channel>,
+    row: Vec<f64>,
+    recording: Recording<HistoryTable>,
+}
+
+/// What one name asks for; numbers are places in the lists of probes and elements.
+#[derive(Clone, Debug)]
+enum Channel {
+    Motion {
+        name: String,
+        probe: usize,
+        motion: Motion,
+    },
+    Relative {
+        name: String,
+        from: usize,
+        to: usize,
+        motion: Motion,
+        /// Unit vector from the first place to the second, zero where they coincide.
+        direction: Vec3,
+    },
+    Stress {
+        name: String,
+        element: usize,
+    },
+}
+
+/// Collects what a [`History`] is to observe.
+#[derive(Clone, Debug)]
+pub struct HistoryBuilder {
+    cadence: Cadence,
+    places: Vec<(String, Place)>,
+    stress_places: Vec<(String, StressPlace)>,
+    channels: Vec<Channel>,
+}
+
+impl HistoryBuilder {
+    /// Adds the motion at a place.
+    #[must_use]
+    pub fn motion(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
+        self.channels.push(Channel::Motion {
+            name: name.into(),
+            probe: self.places.len(),
+            motion,
+        });
+        self.places.push((name.into(), place.into()));
+        self
+    }
+    /// Adds the motion of a place relative to another.
+    #[must_use]
+    pub fn relative(
+        mut self,
+        name: &str,
+        from: impl Into<Place>,
+        to: impl Into<Place>,
+        motion: Motion,
+    ) -> Self {
+        self.channels.push(Channel::Relative {
+            name: name.into(),
+            from: self.places.len(),
+            to: self.places.len() + 1,
+            motion,
+            direction: Vec3::zeros(),
+        });
+        self.places.push((name.into(), from.into()));
+        self.places.push((name.into(), to.into()));
+        self
+    }
+    /// Adds the stress of an element.
+    #[must_use]
+    pub fn stress(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
+        self.channels.push(Channel::Stress {
+            name: name.into(),
+            element: self.stress_places.len(),
+        });
+        self.stress_places.push((name.into(), place.into()));
+        self
+    }
+    /// Finds all places in the mesh.
+    ///
+    /// # Errors
+    /// A place or set that does not exist, a name that stands twice, a cadence or tolerance out of
+    /// range.
+    pub fn build(mut self, mesh: &Mesh) -> Result<History, ObserveError> {
+        check_cadence(self.cadence)?;
+        let probes = probes(mesh, &self.places)?;
+        let elements = elements(mesh, &self.stress_places)?;
+        let mut table = HistoryTable::default();
+        for channel in &mut self.channels {
+            if let Channel::Relative {
+                from,
+                to,
+                direction,
+                ..
+            } = channel
+            {
+                let at = |probe: usize| probes[probe].value(|n| mesh.positions()[n as usize]);
+                let line = at(*to) - at(*from);
+                *direction = line.try_normalize(0.0).unwrap_or_default();
+            }
+            for (name, unit) in channel.columns() {
+                table.add_column(name, unit)?;
+            }
+        }
+        Ok(History {
+            cadence: self.cadence,
+            probes,
+            elements,
+            channels: self.channels,
+            row: Vec::with_capacity(table.columns.len()),
+            recording: Recording::new(table),
+        })
+    }
+}
+
+impl Channel {
+    fn columns(&self) -> Vec<(String, &'static str)> {
+        let vectors = |name: &str, motion: &Motion| {
+            let kinds = [
+                (motion.displacement, 'u', "m"),
+                (motion.velocity, 'v', "m/s"),
+                (motion.acceleration, 'a', "m/s2"),
+            ];
+            let wanted = kinds.into_iter().filter(|kind| kind.0);
+            wanted
+                .flat_map(|(_, letter, unit)| {
+                    ["x", "y", "z"].map(|axis| (format!("{name}.{letter}{axis}"), unit))
+                })
+                .collect::<Vec<_>>()
+        };
+        match self {
+            Self::Motion { name, motion, .. } => vectors(name, motion),
+            Self::Relative { name, motion, .. } => {
+                let mut columns = vectors(name, motion);
+                if motion.displacement {
+                    columns.push((format!("{name}.apart"), "m"));
+                }
+                columns
+            }
+            Self::Stress { name, .. } => ["xx", "yy", "zz", "xy", "yz", "zx", "s1", "s2", "s3"]
+                .map(|component| (format!("{name}.{component}"), "Pa"))
+                .into(),
+        }
+    }
+
+    fn motion(&self) -> Motion {
+        match self {
+            Self::Motion { motion, .. } | Self::Relative { motion, .. } => *motion,
+            Self::Stress { .. } => Motion::default(),
+        }
+    }
+}
+
+impl History {
+    /// Starts an empty history.
+    pub fn builder(cadence: Cadence) -> HistoryBuilder {
+        HistoryBuilder {
+            cadence,
+            places: Vec::new(),
+            stress_places: Vec::new(),
+            channels: Vec::new(),
+        }
+    }
+    /// The table that the history fills.
+    pub fn recording(&self) -> Recording<HistoryTable> {
+        self.recording.clone()
+    }
+}
+
+/// Appends the wanted kinds of motion that `value` gives for a nodal field.
+fn push_motion(
+    row: &mut Vec<f64>,
+    view: &dyn StepView,
+    motion: Motion,
+    value: impl Fn(&dyn Fn(u32) -> Vec3) -> Vec3,
+) {
+    if motion.displacement {
+        row.extend_from_slice(value(&|node| view.displacement(node)).as_slice());
+    }
+    if motion.velocity {
+        row.extend_from_slice(value(&|node| view.velocity(node)).as_slice());
+    }
+    if motion.acceleration {
+        row.extend_from_slice(value(&|node| view.acceleration(node)).as_slice());
+    }
+}
+
+impl Observer for History {
+    fn name(&self) -> &str {
+        "history"
+    }
+    fn fields(&self) -> Fields {
+        Fields {
+            acceleration: self.channels.iter().any(|c| c.motion().acceleration),
+            stress: !self.elements.is_empty(),
+            ..Fields::default()
+        }
+    }
+    fn cadence(&self) -> Cadence {
+        self.cadence
+    }
+    fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
+        self.row.clear();
+        for channel in &self.channels {
+            match channel {
+                Channel::Motion { probe, motion, .. } => {
+                    let probe = &self.probes[*probe];
+                    push_motion(&mut self.row, view, *motion, |field| probe.value(field));
+                }
+                Channel::Relative {
+                    from,
+                    to,
+                    motion,
+                    direction,
+                    ..
+                } => {
+                    let (from, to) = (&self.probes[*from], &self.probes[*to]);
+                    let relative =
+                        |field: &dyn Fn(u32) -> Vec3| to.value(field) - from.value(field);
+                    push_motion(&mut self.row, view, *motion, relative);
+                    if motion.displacement {
+                        let displacement = relative(&|node| view.displacement(node));
+                        self.row.push(displacement.dot(direction));
+                    }
+                }
+                Channel::Stress { element, .. } => {
+                    let stress: Stress = view.stress(self.elements[*element]);
+                    self.row.extend_from_slice(&stress.0);
+                    self.row.extend_from_slice(&principal_stresses(&stress));
+                }
+            }
+        }
+        self.recording.lock().push(view.time(), &self.row);
+        Ok(Flow::Continue)
+    }
+}

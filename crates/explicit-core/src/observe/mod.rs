@@ -1,0 +1,51 @@
+//! Observers: what is kept of a run.
+//!
+//! | observer | keeps | memory |
+//! |---|---|---|
+//! | [`History`] | motion at probes, relative motion, stress at elements, against time | 8 bytes a column and row |
+//! | [`EnergyHistory`] | the columns of the energy ledger | 8 bytes a column and row |
+//! | [`Envelope`] | largest motion of nodes, greatest and least principal stress of elements, with their times | 16 bytes a node and kind of motion, 32 an element |
+//! | [`Snapshots`] | nothing: hands whole fields to a [`SnapshotSink`] | one copy of each field wanted |
+//!
+//! An observer goes into the run and is lost to its maker; what it collects is read through a
+//! [`Recording`], during the run or after it. Results of the first two are [`HistoryTable`]s;
+//! [`PeakTable`] sums up tables and envelopes for a report.
+//!
+//! # Why so
+//! *Stresses are changes of stress*: observers see what the engine computes, and an initial stress
+//! does not change.
+//! *Tables know names and units*, so that whoever writes a file needs no second list of them.
+
+mod energy;
+mod envelope;
+mod error;
+mod history;
+mod peaks;
+mod place;
+mod principal;
+mod recording;
+mod snapshots;
+mod table;
+
+pub use energy::EnergyHistory;
+pub use envelope::{Envelope, EnvelopeTable, PeakField};
+pub use error::ObserveError;
+pub use history::{History, HistoryBuilder};
+pub use peaks::{PeakPlace, PeakRow, PeakTable};
+pub use place::{Motion, Place, Spot, StressPlace};
+pub use principal::principal_stresses;
+pub use recording::Recording;
+pub use snapshots::{Snapshot, SnapshotFields, SnapshotSink, Snapshots};
+pub use table::{Column, HistoryTable};
+
+use powerhouse_model::{Cadence, ParameterError};
+
+/// Accepts a cadence of at least one step, or of a positive time.
+fn check_cadence(cadence: Cadence) -> Result<(), ParameterError> {
+    match cadence {
+        Cadence::Steps(steps) => ParameterError::check("cadence", steps as f64, 1.0, f64::MAX),
+        Cadence::Seconds(time) => {
+            ParameterError::check("cadence", time, f64::MIN_POSITIVE, f64::MAX)
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The largest values of a run, for its report.
+
+use core::fmt;
+
+use powerhouse_model::Mesh;
+
+use super::{EnvelopeTable, HistoryTable, PeakField};
+
+/// Where a peak occurred, by the user's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PeakPlace {
+    /// At a node.
+    Node(u64),
+    /// In an element.
+    Element(u64),
+}
+
+impl fmt::Display for PeakPlace {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Node(number) => write!(formatter, "node {number}"),
+            Self::Element(number) => write!(formatter, "element {number}"),
+        }
+    }
+}
+
+/// One peak.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeakRow {
+    /// What it is a peak of.
+    pub name: String,
+    /// The unit.
+    pub unit: &'static str,
+    /// The value, with its sign.
+    pub value: f64,
+    /// The time (s).
+    pub time: f64,
+    /// Where, unless the name says it.
+    pub place: Option<PeakPlace>,
+}
+
+/// Peaks, one row each.
+///
+/// ```
+/// use powerhouse_explicit_core::observe::{Column, HistoryTable, PeakTable};
+/// let table = HistoryTable {
+///     times: vec![0.0, 0.1, 0.2],
+///     columns: vec![Column { name: "crown.ux".into(), unit: "m", values: vec![0.0, -0.03, 0.02] }],
+/// };
+/// let mut peaks = PeakTable::default();
+/// peaks.add_history(&table);
+/// assert_eq!((peaks.rows[0].value, peaks.rows[0].time), (-0.03, 0.1));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PeakTable {
+    /// The rows.
+    pub rows: Vec<PeakRow>,
+}
+
+impl PeakTable {
+    /// Adds the value of largest magnitude of every column; of equal ones the first.
+    pub fn add_history(&mut self, table: &HistoryTable) {
+        for column in &table.columns {
+            let samples = table.times.iter().zip(&column.values);
+            let peak = samples.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a });
+            if let Some((&time, &value)) = peak {
+                self.rows.push(PeakRow {
+                    name: column.name.clone(),
+                    unit: column.unit,
+                    value,
+                    time,
+                    place: None,
+                });
+            }
+        }
+    }
+
+    /// Adds the extremes of an envelope over its nodes and elements, each under `name`; none if
+    /// it has seen nothing.
+    ///
+    /// # Panics
+    /// If the envelope is of another mesh, with more nodes or elements.
+    pub fn add_envelope(&mut self, name: &str, table: &EnvelopeTable, mesh: &Mesh) {
+        if table.observations == 0 {
+            return;
+        }
+        let node = |index: usize| PeakPlace::Node(mesh.node_tags()[table.nodes[index] as usize]);
+        let element =
+            |index: usize| PeakPlace::Element(mesh.element_tags()[table.elements[index] as usize]);
+        self.add_extreme(
+            format!("{name} displacement"),
+            "m",
+            &table.displacement,
+            1.0,
+            node,
+        );
+        self.add_extreme(
+            format!("{name} velocity"),
+            "m/s",
+            &table.velocity,
+            1.0,
+            node,
+        );
+        self.add_extreme(
+            format!("{name} acceleration"),
+            "m/s2",
+            &table.acceleration,
+            1.0,
+            node,
+        );
+        self.add_extreme(
+            format!("{name} greatest stress"),
+            "Pa",
+            &table.greatest_stress,
+            1.0,
+            element,
+        );
+        self.add_extreme(
+            format!("{name} least stress"),
+            "Pa",
+            &table.least_stress,
+            -1.0,
+            element,
+        );
+    }
+
+    /// Adds the greatest of the values times a sign.
+    fn add_extreme(
+        &mut self,
+        name: String,
+        unit: &'static str,
+        field: &PeakField,
+        sign: f64,
+        place: impl Fn(usize) -> PeakPlace,
+    ) {
+        let values = field.values.iter().enumerate();
+        let extreme = values.reduce(|a, b| if sign * b.1 > sign * a.1 { b } else { a });
+        if let Some((index, &value)) = extreme {
+            self.rows.push(PeakRow {
+                name,
+                unit,
+                value,
+                time: field.times[index],
+                place: Some(place(index)),
+            });
+        }
+    }
+}
+
+impl fmt::Display for PeakTable {
+    /// One line per row: name, value, unit, time and place.
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let width = self
+            .rows
+            .iter()
+            .map(|row| row.name.len())
+            .max()
+            .unwrap_or(0);
+        for row in &self.rows {
+            let PeakRow {
+                name,
+                unit,
+                value,
+                time,
+                place,
+            } = row;
+            write!(
+                formatter,
+                "{name:width$}  {value:>12.4e} {unit:<6} at {time:>9.4} s"
+            )?;
+            match place {
+                Some(place) => writeln!(formatter, ", {place}")?,
+                None => writeln!(formatter)?,
+            }
+        }
+        Ok(())
+    }
+}

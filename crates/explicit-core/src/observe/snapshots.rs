@@ -1,0 +1,170 @@
+//! Whole fields, handed on.
+
+use std::error::Error;
+
+use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Stress, Vec3};
+
+use super::{Motion, ObserveError, check_cadence};
+
+/// What a snapshot shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SnapshotFields {
+    /// Nodal motions.
+    pub motion: Motion,
+    /// Element stresses.
+    pub stress: bool,
+}
+
+/// The body at one time. Fields that are not wanted are empty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Snapshot<'a> {
+    /// How many snapshots came before.
+    pub index: u64,
+    /// Steps taken.
+    pub step: u64,
+    /// Time (s).
+    pub time: f64,
+    /// Displacement (m), one per mesh node.
+    pub displacement: &'a [Vec3],
+    /// Velocity (m/s), one per mesh node.
+    pub velocity: &'a [Vec3],
+    /// Acceleration (m/s2), one per mesh node.
+    pub acceleration: &'a [Vec3],
+    /// Mean change of stress (Pa), one per mesh element.
+    pub stress: &'a [Stress],
+}
+
+/// Takes snapshots, such as a writer of files. A closure is one too.
+pub trait SnapshotSink: Send {
+    /// Takes a snapshot.
+    ///
+    /// # Errors
+    /// Fails the run.
+    fn take(&mut self, snapshot: &Snapshot) -> Result<(), Box<dyn Error + Send + Sync>>;
+    /// Called once after the last step, also when the run was stopped or failed.
+    ///
+    /// # Errors
+    /// Fails the run.
+    fn finish(&mut self) -> Result<(), Box<dyn Error + Send + Sync>> {
+        Ok(())
+    }
+}
+
+impl<F> SnapshotSink for F
+where
+    F: FnMut(&Snapshot) -> Result<(), Box<dyn Error + Send + Sync>> + Send,
+{
+    fn take(&mut self, snapshot: &Snapshot) -> Result<(), Box<dyn Error + Send + Sync>> {
+        self(snapshot)
+    }
+}
+
+/// Hands the body's fields to a sink at a cadence.
+///
+/// Memory: 24 bytes per node and kind of motion, 48 per element for stress, kept between
+/// snapshots.
+///
+/// ```
+/// use powerhouse_explicit_core::observe::{Motion, Snapshot, SnapshotFields, Snapshots};
+/// use powerhouse_model::{Cadence, Mesh, Vec3};
+/// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(10.0), [5, 5, 5], "rock")?;
+/// let fields = SnapshotFields { motion: Motion::VELOCITY, stress: true };
+/// let snapshots = Snapshots::new(&mesh, fields, Cadence::Seconds(0.1), |shot: &Snapshot| {
+///     println!("{} s: {} velocities", shot.time, shot.velocity.len());
+///     Ok(())
+/// })?;
+/// # Ok::<(), powerhouse_explicit_core::observe::ObserveError>(())
+/// ```
+pub struct Snapshots {
+    cadence: Cadence,
+    fields: SnapshotFields,
+    elements: usize,
+    taken: u64,
+    displacement: Vec<Vec3>,
+    velocity: Vec<Vec3>,
+    acceleration: Vec<Vec3>,
+    stress: Vec<Stress>,
+    sink: Box<dyn SnapshotSink>,
+}
+
+impl Snapshots {
+    /// Snapshots of a mesh.
+    ///
+    /// # Errors
+    /// A cadence out of range.
+    pub fn new(
+        mesh: &Mesh,
+        fields: SnapshotFields,
+        cadence: Cadence,
+        sink: impl SnapshotSink + 'static,
+    ) -> Result<Self, ObserveError> {
+        check_cadence(cadence)?;
+        Ok(Self {
+            cadence,
+            fields,
+            elements: mesh.element_count(),
+            taken: 0,
+            displacement: Vec::new(),
+            velocity: Vec::new(),
+            acceleration: Vec::new(),
+            stress: Vec::new(),
+            sink: Box::new(sink),
+        })
+    }
+}
+
+fn refill<T>(values: &mut Vec<T>, count: usize, value: impl Fn(u32) -> T) {
+    values.clear();
+    values.extend((0..count as u32).map(value));
+}
+
+impl Observer for Snapshots {
+    fn name(&self) -> &str {
+        "snapshots"
+    }
+    fn fields(&self) -> Fields {
+        Fields {
+            acceleration: self.fields.motion.acceleration,
+            stress: self.fields.stress,
+            ..Fields::default()
+        }
+    }
+    fn cadence(&self) -> Cadence {
+        self.cadence
+    }
+    fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
+        let Motion {
+            displacement,
+            velocity,
+            acceleration,
+        } = self.fields.motion;
+        let nodes = |wanted: bool| if wanted { view.node_count() } else { 0 };
+        let elements = if self.fields.stress { self.elements } else { 0 };
+        refill(&mut self.displacement, nodes(displacement), |n| {
+            view.displacement(n)
+        });
+        refill(&mut self.velocity, nodes(velocity), |n| view.velocity(n));
+        refill(&mut self.acceleration, nodes(acceleration), |n| {
+            view.acceleration(n)
+        });
+        refill(&mut self.stress, elements, |e| view.stress(e));
+        let snapshot = Snapshot {
+            index: self.taken,
+            step: view.number(),
+            time: view.time(),
+            displacement: &self.displacement,
+            velocity: &self.velocity,
+            acceleration: &self.acceleration,
+            stress: &self.stress,
+        };
+        let taken = self.sink.take(&snapshot);
+        taken.map_err(|error| ModelError::refused("snapshots", error))?;
+        self.taken += 1;
+        Ok(Flow::Continue)
+    }
+    fn finish(&mut self) -> Result<(), ModelError> {
+        let finished = self.sink.finish();
+        finished.map_err(|error| ModelError::refused("snapshots", error))
+    }
+}
