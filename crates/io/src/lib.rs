@@ -3,6 +3,7 @@
 mod atomic;
 mod error;
 pub mod gmsh;
+mod records;
 mod summary;
 mod table;
 mod vtu;
@@ -10,6 +11,10 @@ mod vtu;
 pub use atomic::write_whole;
 pub use error::IoError;
 pub use gmsh::{GmshError, GmshMesh, parse_gmsh, read_gmsh, write_gmsh};
+pub use records::{
+    AccelerationUnit, CountRule, LengthRule, Record, RecordError, RecordFault, RecordOptions,
+    common_length, parse_record, read_record,
+};
 pub use summary::write_summary;
 pub use table::{TableColumn, read_table, write_table};
 pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuWriter};

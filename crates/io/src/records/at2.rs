@@ -1,0 +1,142 @@
+//! PEER's AT2 format, whose header comes in several layouts.
+
+use super::number::{fixed_width, number};
+use super::{
+    AccelerationUnit, CountRule, Record, RecordError, RecordFault, RecordOptions, check_step,
+};
+
+/// How many lines are searched for `NPTS`.
+const HEADER_LINES: usize = 12;
+
+/// What the header declares.
+pub(super) struct Header {
+    /// Index of the line that declares the count.
+    line: usize,
+    count: u64,
+    step: f64,
+    unit: Option<AccelerationUnit>,
+    title: String,
+}
+
+/// Finds the header, if there is one: a line among the first twelve with `NPTS`, either as
+/// `NPTS= 4000, DT= .005 SEC` or as `4000 .005 NPTS, DT`. Comments belong to columns of text.
+pub(super) fn header(text: &str) -> Result<Option<Header>, RecordError> {
+    let mut above = Vec::new();
+    for (line, content) in text.lines().take(HEADER_LINES).enumerate() {
+        let upper = content.to_ascii_uppercase();
+        let comment = upper.starts_with(['#', '%']);
+        if comment || !upper.contains("NPTS") {
+            above.push(content.trim());
+            continue;
+        }
+        let missing = |what| RecordError::content(line + 1, 0, RecordFault::Header { what });
+        let (count, step) = match (assigned(&upper, "NPTS"), assigned(&upper, "DT")) {
+            (Some(count), Some(step)) => (count, step),
+            (Some(_), None) => return Err(missing("DT")),
+            _ => {
+                let mut numbers = upper
+                    .split([' ', '\t', ','])
+                    .filter(|word| word.starts_with(|c: char| c.is_ascii_digit() || c == '.'));
+                let count = numbers.next().ok_or_else(|| missing("NPTS"))?;
+                (count, numbers.next().ok_or_else(|| missing("DT"))?)
+            }
+        };
+        let count = count
+            .trim_end_matches('.')
+            .parse()
+            .map_err(|_| RecordError::content(line + 1, 0, not_a_number(count)))?;
+        let step = number(step, line + 1, 0)?;
+        check_step(step).map_err(|fault| RecordError::content(line + 1, 0, fault))?;
+        above.retain(|line| !line.is_empty());
+        return Ok(Some(Header {
+            line,
+            count,
+            step,
+            unit: unit(&above),
+            title: above.join("; "),
+        }));
+    }
+    Ok(None)
+}
+
+fn not_a_number(text: &str) -> RecordFault {
+    RecordFault::NotANumber {
+        text: text.chars().take(40).collect(),
+    }
+}
+
+/// The number that stands behind `KEY =`.
+fn assigned<'a>(upper: &'a str, key: &str) -> Option<&'a str> {
+    let behind = upper[upper.find(key)? + key.len()..].trim_start();
+    let value = behind.strip_prefix('=')?.trim_start();
+    let end = value.find(|c: char| !(c.is_ascii_digit() || "+-.ED".contains(c)));
+    Some(&value[..end.unwrap_or(value.len())]).filter(|value| !value.is_empty())
+}
+
+/// The unit that the title lines declare.
+fn unit(lines: &[&str]) -> Option<AccelerationUnit> {
+    let joined = lines.join(" ").to_ascii_uppercase();
+    let behind = joined
+        .split("UNITS OF ")
+        .nth(1)
+        .or_else(|| joined.split("UNITS: ").nth(1))?;
+    let word = behind.split([' ', ',', ';']).next()?;
+    AccelerationUnit::from_name(word)
+}
+
+/// Reads the samples behind the header.
+pub(super) fn read(
+    text: &str,
+    header: &Header,
+    options: &RecordOptions,
+) -> Result<Record, RecordError> {
+    let place = header.line + 1;
+    let fault = |fault| RecordError::content(place, 0, fault);
+    let unit = match (header.unit, options.unit) {
+        (Some(found), Some(declared)) if found != declared => {
+            return Err(fault(RecordFault::UnitConflict {
+                found: found.name(),
+                declared: declared.name(),
+            }));
+        }
+        (found, declared) => found
+            .or(declared)
+            .ok_or_else(|| fault(RecordFault::NoUnit))?,
+    };
+    if let Some(declared) = options.step
+        && (declared - header.step).abs() > 1e-6 * header.step
+    {
+        return Err(fault(RecordFault::StepConflict {
+            found: header.step,
+            declared,
+        }));
+    }
+    let mut samples = Vec::new();
+    'lines: for (line, content) in text.lines().enumerate().skip(header.line + 1) {
+        for (column, word) in fixed_width(content) {
+            match number(word, line + 1, column) {
+                Ok(value) => samples.push(value * unit.factor()),
+                // Words behind the last sample are a trailer.
+                Err(_) if samples.len() as u64 >= header.count => break 'lines,
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    let mut warnings = Vec::new();
+    if samples.len() as u64 != header.count {
+        let mismatch = RecordFault::Count {
+            declared: header.count,
+            found: samples.len(),
+        };
+        match options.count {
+            CountRule::AsDeclared => return Err(fault(mismatch)),
+            CountRule::AsFound => warnings.push(mismatch.to_string()),
+        }
+    }
+    Ok(Record {
+        title: header.title.clone(),
+        step: header.step,
+        samples,
+        warnings,
+    })
+}

@@ -1,0 +1,115 @@
+//! One or two columns of text.
+
+use super::number::number;
+use super::{Record, RecordError, RecordFault, RecordOptions};
+
+/// Largest deviation of a time from the uniform one, in steps.
+const UNIFORMITY: f64 = 0.01;
+
+pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, RecordError> {
+    let unit = options
+        .unit
+        .ok_or_else(|| RecordError::content(0, 0, RecordFault::NoUnit))?;
+    let mut title = Vec::new();
+    let mut named = false;
+    let mut width = 0;
+    let mut times: Vec<(usize, f64)> = Vec::new();
+    let mut samples = Vec::new();
+    for (index, content) in text.lines().enumerate() {
+        let line = index + 1;
+        let (data, comment) = content.split_at(content.find(['#', '%']).unwrap_or(content.len()));
+        let comment = comment.trim_start_matches(['#', '%']).trim();
+        if samples.is_empty() && !comment.is_empty() {
+            title.push(comment);
+        }
+        let cells = cells(data);
+        let Some(first) = cells.first() else { continue };
+        if !named && samples.is_empty() && is_name(first.1) {
+            named = true;
+            continue;
+        }
+        if width == 0 {
+            width = cells.len();
+        }
+        if cells.len() != width || width > 2 {
+            let fault = RecordFault::Columns {
+                found: cells.len(),
+                expected: match width {
+                    1 => "one",
+                    2 => "two",
+                    _ => "one or two",
+                },
+            };
+            return Err(RecordError::content(line, 0, fault));
+        }
+        if let [time, _] = cells[..] {
+            times.push((line, number(time.1, line, time.0)?));
+        }
+        let (column, word) = cells[width - 1];
+        samples.push(number(word, line, column)? * unit.factor());
+    }
+    let step = match (uniform_step(&times)?, options.step) {
+        (Some(found), Some(declared)) if (found - declared).abs() > UNIFORMITY * declared => {
+            let fault = RecordFault::StepConflict { found, declared };
+            return Err(RecordError::content(0, 0, fault));
+        }
+        (found, declared) => declared.or(found),
+    };
+    let step = match (step, samples.len()) {
+        (Some(step), _) => step,
+        (None, found @ 0..2) => {
+            return Err(RecordError::content(0, 0, RecordFault::TooShort { found }));
+        }
+        (None, _) => return Err(RecordError::content(0, 0, RecordFault::NoStep)),
+    };
+    Ok(Record {
+        title: title.join("; "),
+        step,
+        samples,
+        warnings: Vec::new(),
+    })
+}
+
+/// Cells with their columns, from 1. A comma, semicolon or tab separates, and so do blanks.
+fn cells(data: &str) -> Vec<(usize, &str)> {
+    let start = data.as_ptr() as usize;
+    data.split(|c: char| c.is_whitespace() || c == ',' || c == ';')
+        .filter(|cell| !cell.is_empty())
+        .map(|cell| (cell.as_ptr() as usize - start + 1, cell))
+        .collect()
+}
+
+/// Whether a cell of the first line is a column's name and not a broken number.
+fn is_name(cell: &str) -> bool {
+    let lower = cell.to_ascii_lowercase();
+    lower.starts_with(|c: char| c.is_alphabetic() || c == '"')
+        && !["nan", "inf", "infinity"].contains(&lower.as_str())
+}
+
+/// The step of a time column, none if there is no such column.
+fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
+    let ([(_, first), .., (last_line, last)], count) = (times, times.len()) else {
+        return Ok(None);
+    };
+    let step = (last - first) / (count - 1) as f64;
+    if !(step.is_finite() && step > 0.0) {
+        return Err(RecordError::content(
+            *last_line,
+            0,
+            RecordFault::Step { value: step },
+        ));
+    }
+    for (place, &(line, time)) in times.iter().enumerate() {
+        let expected = first + place as f64 * step;
+        if (time - expected).abs() > UNIFORMITY * step {
+            return Err(RecordError::content(
+                line,
+                1,
+                RecordFault::NotUniform { time, expected },
+            ));
+        }
+    }
+    // Printed times are rounded; a step of few digits is what was meant.
+    let rounded = format!("{step:.6e}").parse().unwrap_or(step);
+    Ok(Some(rounded))
+}

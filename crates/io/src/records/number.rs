@@ -1,0 +1,90 @@
+//! Numbers as Fortran and spreadsheets write them.
+
+use super::{RecordError, RecordFault};
+
+/// Reads one number; `D` counts as an exponent letter. `line` and `column` tell where it stands.
+pub(super) fn number(text: &str, line: usize, column: usize) -> Result<f64, RecordError> {
+    let fault = |fault| RecordError::content(line, column, fault);
+    let allowed = |c: char| c.is_ascii_digit() || "+-.eEdD".contains(c);
+    let not_a_number = || {
+        fault(RecordFault::NotANumber {
+            text: text.chars().take(40).collect(),
+        })
+    };
+    if !text.chars().all(allowed) {
+        let lower = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+        if ["nan", "inf", "infinity"].contains(&lower.as_str()) {
+            return Err(fault(RecordFault::NotFinite { text: text.into() }));
+        }
+        return Err(not_a_number());
+    }
+    let value: f64 = text
+        .replace(['D', 'd'], "E")
+        .parse()
+        .map_err(|_| not_a_number())?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(fault(RecordFault::NotFinite { text: text.into() }))
+    }
+}
+
+/// Splits a line of fixed-width numbers, which may touch where a sign separates them; each comes
+/// with its column, from 1.
+pub(super) fn fixed_width(line: &str) -> Vec<(usize, &str)> {
+    let mut found = Vec::new();
+    let mut start = None;
+    let mut previous = ' ';
+    for (place, c) in line.char_indices() {
+        let blank = c.is_whitespace() || c == ',';
+        let sign = (c == '-' || c == '+') && !"eEdD".contains(previous);
+        if let Some(from) = start
+            && (blank || sign)
+        {
+            found.push((from + 1, &line[from..place]));
+            start = None;
+        }
+        if !blank && start.is_none() {
+            start = Some(place);
+        }
+        previous = c;
+    }
+    if let Some(from) = start {
+        found.push((from + 1, &line[from..]));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers that touch are told apart by their signs, signs of exponents are not.
+    #[test]
+    fn glued_numbers_are_told_apart() {
+        let parts = fixed_width("  .123E-02-.456E-03 7.0D+01-8");
+        let texts: Vec<&str> = parts.iter().map(|part| part.1).collect();
+        assert_eq!(texts, [".123E-02", "-.456E-03", "7.0D+01", "-8"]);
+        assert_eq!(parts[1].0, 11);
+    }
+
+    /// Fortran's exponents are read; words and infinities are told apart from numbers.
+    #[test]
+    fn numbers_are_finite() {
+        assert_eq!(number("-1.5D-3", 1, 1).unwrap(), -1.5e-3);
+        assert_eq!(number(".5", 1, 1).unwrap(), 0.5);
+        let fault = |text| match number(text, 3, 7) {
+            Err(RecordError::Content {
+                line: 3,
+                column: 7,
+                fault,
+                ..
+            }) => fault,
+            other => panic!("{other:?}"),
+        };
+        assert!(matches!(fault("nan"), RecordFault::NotFinite { .. }));
+        assert!(matches!(fault("1e999"), RecordFault::NotFinite { .. }));
+        assert!(matches!(fault("0x10"), RecordFault::NotANumber { .. }));
+        assert!(matches!(fault("--1"), RecordFault::NotANumber { .. }));
+    }
+}

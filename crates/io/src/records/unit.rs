@@ -1,0 +1,41 @@
+//! Units of acceleration.
+
+/// A unit of acceleration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum AccelerationUnit {
+    /// Metre per second squared.
+    MetrePerSecondSquared,
+    /// Centimetre per second squared (gal).
+    Gal,
+    /// Standard gravity, 9.80665 m/s2.
+    Gravity,
+}
+
+impl AccelerationUnit {
+    /// The unit in m/s2.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::MetrePerSecondSquared => 1.0,
+            Self::Gal => 0.01,
+            Self::Gravity => 9.80665,
+        }
+    }
+    /// The name in scenes and messages: `m/s2`, `gal` or `g`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MetrePerSecondSquared => "m/s2",
+            Self::Gal => "gal",
+            Self::Gravity => "g",
+        }
+    }
+    /// The unit of a name; `cm/s2` is `gal`, case does not matter.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name.trim().to_ascii_lowercase().as_str() {
+            "m/s2" | "m/s^2" | "m/s/s" | "m/sec2" => Self::MetrePerSecondSquared,
+            "gal" | "cm/s2" | "cm/s^2" | "cm/s/s" | "cm/sec2" => Self::Gal,
+            "g" => Self::Gravity,
+            _ => return None,
+        })
+    }
+}
