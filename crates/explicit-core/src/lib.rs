@@ -2,11 +2,14 @@
 
 mod applied;
 mod assembly;
+mod block;
 mod damping;
 mod error;
 mod gather;
 mod groups;
 mod integrator;
+mod kernels;
+mod lanes;
 mod loads;
 mod model;
 mod nodes;
@@ -20,8 +23,10 @@ mod support;
 mod view;
 
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
+pub use block::{BlockError, solid};
 pub use error::EngineError;
 pub use integrator::{Leapfrog, OneSided};
+pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
 pub use loads::{FacePressure, FaceTraction, NodalForce, Profile};
 pub use model::{ElementChoice, Model, ModelBuilder};
 pub use run::{Ended, Length, Progress, RunOptions, RunReport, StepChoice, run};

@@ -1,0 +1,234 @@
+//! From element sets to blocks.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use powerhouse_model::{
+    ConstitutiveLaw, ElementBlock, ElementKernel, ElementKind, Geometry, ModelError, Vec3,
+};
+
+use super::accounts::Account;
+use super::error::BlockError;
+use super::frequency::HighestSquares;
+use super::numbers::AlignedNumbers;
+use super::operations::Moduli;
+use super::{Block, History};
+use crate::lanes::{BatchScalar, Lanes, dispatch};
+use crate::{BlockFactory, BlockOptions, BlockPart, Precision};
+
+/// A factory of solid blocks from any kernel and any law.
+///
+/// ```
+/// use powerhouse_explicit_core::{BlockOptions, Hex8OnePoint, solid};
+/// # use powerhouse_model::*;
+/// # #[derive(Clone)]
+/// # struct Linear(ElasticMedium);
+/// # impl ConstitutiveLaw for Linear {
+/// #     fn name(&self) -> &str { "linear" }
+/// #     fn medium(&self) -> ElasticMedium { self.0 }
+/// #     fn history(&self) -> &'static [HistoryVariable] { &[] }
+/// #     fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
+/// #         let one = input.strain.0[0].constant(1.0);
+/// #         Stress::elastic(one.constant(self.0.lambda()), one.constant(self.0.shear()), &input.strain)
+/// #     }
+/// # }
+/// let law = Linear(ElasticMedium::new(9.0e9, 0.27, 2750.0)?);
+/// let rock = solid("rock", Hex8OnePoint::default(), law, BlockOptions::default());
+/// assert_eq!((rock.label(), rock.kind()), ("rock", ElementKind::Hex8));
+/// # Ok::<(), ParameterError>(())
+/// ```
+pub fn solid<K, M, const N: usize, const P: usize>(
+    label: &str,
+    kernel: K,
+    law: M,
+    options: BlockOptions,
+) -> Box<dyn BlockFactory>
+where
+    K: ElementKernel<N, P>,
+    M: ConstitutiveLaw,
+{
+    Box::new(Solid::<K, M, N, P> {
+        label: label.into(),
+        kernel,
+        law,
+        options,
+    })
+}
+
+struct Solid<K, M, const N: usize, const P: usize> {
+    label: Arc<str>,
+    kernel: K,
+    law: M,
+    options: BlockOptions,
+}
+
+impl<K, M, const N: usize, const P: usize> BlockFactory for Solid<K, M, N, P>
+where
+    K: ElementKernel<N, P>,
+    M: ConstitutiveLaw,
+{
+    fn label(&self) -> &str {
+        &self.label
+    }
+    fn kind(&self) -> ElementKind {
+        self.kernel.kind()
+    }
+    fn options(&self) -> BlockOptions {
+        self.options
+    }
+    fn build(&self, part: &BlockPart) -> Result<Box<dyn ElementBlock>, ModelError> {
+        Ok(match self.options.precision {
+            Precision::F64 => Box::new(self.block::<f64>(part)?),
+            Precision::Mixed | Precision::F32 => Box::new(self.block::<f32>(part)?),
+        })
+    }
+}
+
+impl<K, M, const N: usize, const P: usize> Solid<K, M, N, P>
+where
+    K: ElementKernel<N, P>,
+    M: ConstitutiveLaw,
+{
+    fn block<S: BatchScalar>(&self, part: &BlockPart) -> Result<Block<K, M, S, N, P>, ModelError> {
+        let refused = |error: BlockError| ModelError::refused(&*self.label, error);
+        let lanes = Lanes::new(self.options.lanes);
+        let arrangement = lanes.arrangement::<S>();
+        let medium = self.law.medium();
+        let moduli = Moduli {
+            lambda: medium.lambda(),
+            shear: medium.shear(),
+        };
+        let (engine, places) = self.connect(part, arrangement.width).map_err(refused)?;
+        let padded = engine.len();
+
+        let length = self.kernel.geometry_len();
+        let mut geometry = AlignedNumbers::<S>::zeros(padded * length);
+        let mut sizes = AlignedNumbers::<S>::zeros(padded);
+        let mut shapes = Vec::with_capacity(part.elements.len());
+        let mut one = vec![0.0; length];
+        for element in 0..padded {
+            let mesh_element = part.elements[element.min(part.elements.len() - 1)];
+            let corners = corners_of(part, mesh_element);
+            self.kernel.geometry(&corners, &mut one);
+            for (index, number) in one.iter().enumerate() {
+                geometry.as_mut_slice()[arrangement.place(element, index, length)] =
+                    S::from_f64(*number);
+            }
+            let volume = self.volume(part, mesh_element, &one).map_err(refused)?;
+            sizes.as_mut_slice()[arrangement.place(element, 0, 1)] = S::from_f64(volume.cbrt());
+            if element < part.elements.len() {
+                let shares = self.kernel.node_shares(&corners);
+                let masses = shares.map(|share| share * volume * medium.density);
+                positive(part, mesh_element, &masses).map_err(refused)?;
+                shapes.push((corners, masses));
+            }
+        }
+        let squares = dispatch::<f64, _>(
+            lanes,
+            HighestSquares {
+                kernel: &self.kernel,
+                moduli,
+                elements: &shapes,
+            },
+        );
+        let variables = self.law.history().len();
+        Ok(Block {
+            label: self.label.clone(),
+            kernel: self.kernel.clone(),
+            moduli,
+            damping: self.options.damping,
+            lanes,
+            arrangement,
+            elements: part.elements.to_vec(),
+            nodes: part.nodes.to_vec(),
+            engine,
+            places,
+            geometry,
+            sizes,
+            masses: shapes.into_iter().map(|(_, masses)| masses).collect(),
+            frequencies: squares.into_iter().map(f64::sqrt).collect(),
+            active: None,
+            reference: None,
+            initial: AlignedNumbers::zeros(0),
+            history: History::new(variables, padded * P * variables),
+            present: Vec::new(),
+            account: Account::default(),
+            law: self.law.clone(),
+        })
+    }
+
+    /// Engine numbers and places of the nodes, whole batches: the last element is repeated.
+    #[expect(clippy::type_complexity)]
+    fn connect(
+        &self,
+        part: &BlockPart,
+        width: usize,
+    ) -> Result<(Vec<[u32; N]>, Vec<[u32; N]>), BlockError> {
+        let place_of: HashMap<u32, u32> = part.nodes.iter().copied().zip(0..).collect();
+        let padded = part.elements.len().next_multiple_of(width);
+        let mut engine = Vec::with_capacity(padded);
+        let mut places = Vec::with_capacity(padded);
+        for &element in part.elements {
+            let tag = part.mesh.element_tags()[element as usize];
+            let kind = part.mesh.kind(element);
+            if kind != self.kernel.kind() {
+                return Err(BlockError::WrongKind {
+                    element: tag,
+                    found: kind.name(),
+                    kernel: self.kernel.name(),
+                    expected: self.kernel.kind().name(),
+                });
+            }
+            let nodes = part.mesh.nodes_of(element);
+            let (mut numbers, mut at) = ([0; N], [0; N]);
+            for a in 0..N {
+                numbers[a] = part.numbering.engine_of[nodes[a] as usize];
+                at[a] = *place_of
+                    .get(&numbers[a])
+                    .ok_or_else(|| BlockError::MissingNode {
+                        element: tag,
+                        node: part.mesh.node_tags()[nodes[a] as usize],
+                    })?;
+            }
+            engine.push(numbers);
+            places.push(at);
+        }
+        if let (Some(&numbers), Some(&at)) = (engine.last(), places.last()) {
+            engine.resize(padded, numbers);
+            places.resize(padded, at);
+        }
+        Ok((engine, places))
+    }
+
+    /// The element's volume, if every point has one.
+    fn volume(&self, part: &BlockPart, element: u32, geometry: &[f64]) -> Result<f64, BlockError> {
+        let volumes = self.kernel.volumes(Geometry::<f64>::new((), geometry));
+        match volumes.iter().find(|&&v| !(v > 0.0 && v.is_finite())) {
+            None => Ok(volumes.iter().sum()),
+            Some(&volume) => Err(BlockError::NoVolume {
+                element: part.mesh.element_tags()[element as usize],
+                volume,
+            }),
+        }
+    }
+}
+
+fn corners_of<const N: usize>(part: &BlockPart, element: u32) -> [Vec3; N] {
+    let nodes = part.mesh.nodes_of(element);
+    core::array::from_fn(|a| part.mesh.positions()[nodes[a] as usize])
+}
+
+fn positive<const N: usize>(
+    part: &BlockPart,
+    element: u32,
+    masses: &[f64; N],
+) -> Result<(), BlockError> {
+    match masses.iter().position(|&m| !(m > 0.0 && m.is_finite())) {
+        None => Ok(()),
+        Some(a) => Err(BlockError::NoMass {
+            element: part.mesh.element_tags()[element as usize],
+            node: part.mesh.node_tags()[part.mesh.nodes_of(element)[a] as usize],
+            mass: masses[a],
+        }),
+    }
+}

@@ -1,0 +1,161 @@
+//! Operators in matrix terms: nodal diagonals, and secant and tangent at the present state.
+
+use powerhouse_model::{
+    ConstitutiveLaw, ElementKernel, Geometry, LawInput, Mat3, Operator, Strain, Stress,
+};
+
+use super::Block;
+use crate::lanes::BatchScalar;
+
+/// `d stress / d strain` at a point, rows of stress (Pa).
+pub(super) type Stiffness = [[f64; 6]; 6];
+
+/// Step of the difference quotient, against the size of the strain or this strain.
+const STRAIN_STEP: f64 = 1e-6;
+
+/// The elastic stiffness of an isotropic medium, times a factor.
+fn isotropic(lambda: f64, shear: f64) -> Stiffness {
+    core::array::from_fn(|j| {
+        let mut strain = Strain([0.0; 6]);
+        strain.0[j] = 1.0;
+        // Symmetric, so that columns may be written as rows.
+        Stress::elastic(lambda, shear, &strain).0
+    })
+}
+
+fn times(stiffness: &Stiffness, strain: &Strain) -> Stress {
+    Stress(stiffness.map(|row| row.iter().zip(strain.0).map(|(c, e)| c * e).sum()))
+}
+
+/// The elastic stiffness scaled so that the stress does the same work as the law's.
+fn secant<M: ConstitutiveLaw>(law: &M, input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
+    let medium = law.medium();
+    let (lambda, shear) = (medium.lambda(), medium.shear());
+    let elastic = Stress::elastic(lambda, shear, &input.strain).work(&input.strain);
+    let work = law.stress_change(input, new).work(&input.strain);
+    let share = if elastic > 0.0 { work / elastic } else { 1.0 };
+    let share = share.clamp(0.0, 1.0);
+    isotropic(share * lambda, share * shear)
+}
+
+/// The law's own tangent, or central differences.
+fn tangent<M: ConstitutiveLaw>(law: &M, input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
+    if let Some(tangent) = law.tangent(input) {
+        return tangent;
+    }
+    let size = input.strain.0.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+    let step = STRAIN_STEP * size.max(STRAIN_STEP);
+    let mut stiffness = [[0.0; 6]; 6];
+    for j in 0..6 {
+        let mut at = |offset: f64| {
+            let mut moved = *input;
+            moved.strain.0[j] += offset;
+            law.stress_change(&moved, new)
+        };
+        let (plus, minus) = (at(step), at(-step));
+        for i in 0..6 {
+            stiffness[i][j] = (plus.0[i] - minus.0[i]) / (2.0 * step);
+        }
+    }
+    stiffness
+}
+
+impl<K, M, S, const N: usize, const P: usize> Block<K, M, S, N, P>
+where
+    K: ElementKernel<N, P>,
+    M: ConstitutiveLaw,
+    S: BatchScalar,
+{
+    /// Geometry numbers of one element.
+    fn geometry_of(&self, element: usize, out: &mut [f64]) {
+        let length = out.len();
+        for (index, number) in out.iter_mut().enumerate() {
+            let place = self.arrangement.place(element, index, length);
+            *number = self.geometry.as_slice()[place].to_f64();
+        }
+    }
+
+    /// The stiffness at each point of an element under an operator.
+    fn stiffness(&self, operator: Operator, element: usize, geometry: &[f64]) -> [Stiffness; P] {
+        let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
+        if operator == Operator::Elastic || self.law.is_linear() {
+            return [elastic; P];
+        }
+        let place = |index, count| self.arrangement.place(element, index, count);
+        let mut nodal = [[0.0; 3]; N];
+        if !self.present.is_empty() {
+            for a in 0..N {
+                let at = self.places[element][a] as usize;
+                let mut value = self.present[at].to_vector();
+                if let Some(reference) = &self.reference {
+                    value -= reference[at].to_vector();
+                }
+                nodal[a] = value.into();
+            }
+        }
+        let geometry = Geometry::<f64>::new((), geometry);
+        let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
+        let initial = self.initial.as_slice();
+        let initial =
+            core::array::from_fn(|i| initial.get(place(i, 6)).map_or(0.0, |value| value.to_f64()));
+        let size = self.sizes.as_slice()[place(0, 1)].to_f64();
+        let variables = self.history.variables;
+        let mut new = vec![0.0; variables];
+        core::array::from_fn(|p| {
+            let old: Vec<f64> = (0..variables)
+                .map(|h| place(p * variables + h, P * variables))
+                .map(|place| self.history.old.as_slice()[place].to_f64())
+                .collect();
+            let input = LawInput::new(strains[p], &old)
+                .with_initial(Stress(initial))
+                .with_size(size);
+            match operator {
+                Operator::Secant => secant(&self.law, &input, &mut new),
+                _ => tangent(&self.law, &input, &mut new),
+            }
+        })
+    }
+
+    /// Shows the nodal forces of every active element for nodal displacements that are given by
+    /// element, one after another.
+    pub(super) fn each_element(
+        &self,
+        operator: Operator,
+        mut visit: impl FnMut(usize, &dyn Fn(&[[f64; 3]; N]) -> [[f64; 3]; N]),
+    ) {
+        let modulus = self.moduli.constrained();
+        let mut numbers = vec![0.0; self.kernel.geometry_len()];
+        for element in 0..self.elements.len() {
+            if self.active.as_ref().is_some_and(|active| !active[element]) {
+                continue;
+            }
+            self.geometry_of(element, &mut numbers);
+            let stiffness = self.stiffness(operator, element, &numbers);
+            let geometry = Geometry::<f64>::new((), &numbers);
+            visit(element, &|nodal| {
+                let modes = self.kernel.modes(nodal);
+                let strains = self.kernel.strains(geometry, &modes);
+                let stresses = core::array::from_fn(|p| times(&stiffness[p], &strains[p]));
+                let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+                self.kernel.nodal_forces(&forces)
+            });
+        }
+    }
+
+    /// Adds the nodal 3 x 3 blocks of an operator.
+    pub(super) fn add_diagonal(&self, operator: Operator, out: &mut [Mat3]) {
+        self.each_element(operator, |element, forces| {
+            for a in 0..N {
+                let block = &mut out[self.places[element][a] as usize];
+                for j in 0..3 {
+                    let mut nodal = [[0.0; 3]; N];
+                    nodal[a][j] = 1.0;
+                    let column = forces(&nodal)[a];
+                    for i in 0..3 {
+                        block[(i, j)] += column[i];
+                    }
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,85 @@
+//! The four-node tetrahedron.
+
+use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
+
+use super::vectors::{difference, outer_sum, product, scaled, strain_of, stress_matrix, sum};
+
+const VOLUME: usize = 9;
+
+/// The tetrahedron of constant strain.
+///
+/// Its modes are the displacements of the corners 1, 2, 3 against corner 0. It is stiff, and it
+/// locks in plastic flow and as the material becomes incompressible: use it to fill what cannot be
+/// meshed by bricks and wedges.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tet4;
+
+impl ElementKernel<4, 1> for Tet4 {
+    fn name(&self) -> &'static str {
+        "tet4"
+    }
+    fn kind(&self) -> ElementKind {
+        ElementKind::Tet4
+    }
+    #[inline(always)]
+    fn geometry_len(&self) -> usize {
+        VOLUME + 1
+    }
+    fn geometry(&self, corners: &[Vec3; 4], out: &mut [f64]) {
+        let [a, b, c] = [1, 2, 3].map(|i| corners[i] - corners[0]);
+        let determinant = a.dot(&b.cross(&c));
+        for (i, cofactor) in [b.cross(&c), c.cross(&a), a.cross(&b)].iter().enumerate() {
+            out[3 * i..3 * i + 3].copy_from_slice((cofactor / determinant).as_slice());
+        }
+        out[VOLUME] = determinant / 6.0;
+    }
+    #[inline(always)]
+    fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 1] {
+        [geometry.get(VOLUME)]
+    }
+    fn node_shares(&self, _corners: &[Vec3; 4]) -> [f64; 4] {
+        [0.25; 4]
+    }
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 4]) -> [[L; 3]; 4] {
+        let first = nodal[0];
+        [
+            first,
+            difference(nodal[1], first),
+            difference(nodal[2], first),
+            difference(nodal[3], first),
+        ]
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 4]) -> [[L; 3]; 4] {
+        let [_, f1, f2, f3] = *modal;
+        let all = sum(sum(f1, f2), f3);
+        [[-all[0], -all[1], -all[2]], f1, f2, f3]
+    }
+    #[inline(always)]
+    fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 4]) -> [Strain<L>; 1] {
+        let gradients = [geometry.vector(0), geometry.vector(3), geometry.vector(6)];
+        let gradient = outer_sum([modes[1], modes[2], modes[3]], gradients);
+        [strain_of(&gradient)]
+    }
+    #[inline(always)]
+    fn forces<L: Lane>(
+        &self,
+        geometry: Geometry<L>,
+        stresses: &[Stress<L>; 1],
+        _modulus: L,
+        _modes: &[[L; 3]; 4],
+    ) -> [[L; 3]; 4] {
+        let volume = geometry.get(VOLUME);
+        let mut stress = stress_matrix(&stresses[0]);
+        for i in 0..3 {
+            stress[i] = scaled(stress[i], volume);
+        }
+        [
+            [geometry.constant(0.0); 3],
+            product(&stress, geometry.vector(0)),
+            product(&stress, geometry.vector(3)),
+            product(&stress, geometry.vector(6)),
+        ]
+    }
+}

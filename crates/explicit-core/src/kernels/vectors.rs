@@ -1,0 +1,104 @@
+//! Small vector algebra on lanes.
+
+use powerhouse_model::{Lane, Strain, Stress};
+
+/// `a + b`.
+#[inline(always)]
+pub(super) fn sum<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`.
+#[inline(always)]
+pub(super) fn difference<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a factor`.
+#[inline(always)]
+pub(super) fn scaled<L: Lane>(a: [L; 3], factor: L) -> [L; 3] {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+/// `a factor + b`.
+#[inline(always)]
+pub(super) fn scaled_sum<L: Lane>(a: [L; 3], factor: L, b: [L; 3]) -> [L; 3] {
+    [
+        a[0].mul_add(factor, b[0]),
+        a[1].mul_add(factor, b[1]),
+        a[2].mul_add(factor, b[2]),
+    ]
+}
+
+/// `a . b`.
+#[inline(always)]
+pub(super) fn dot<L: Lane>(a: [L; 3], b: [L; 3]) -> L {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+/// `a x b`.
+#[inline(always)]
+pub(super) fn cross<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [
+        a[1].mul_add(b[2], -(a[2] * b[1])),
+        a[2].mul_add(b[0], -(a[0] * b[2])),
+        a[0].mul_add(b[1], -(a[1] * b[0])),
+    ]
+}
+
+/// A 3 x 3 matrix by rows.
+pub(super) type Matrix<L> = [[L; 3]; 3];
+
+/// `matrix vector`.
+#[inline(always)]
+pub(super) fn product<L: Lane>(matrix: &Matrix<L>, vector: [L; 3]) -> [L; 3] {
+    [
+        dot(matrix[0], vector),
+        dot(matrix[1], vector),
+        dot(matrix[2], vector),
+    ]
+}
+
+/// `sum_k a_k (x) b_k`: row `i`, column `j` holds `sum_k a_k[i] b_k[j]`.
+#[inline(always)]
+pub(super) fn outer_sum<L: Lane, const K: usize>(a: [[L; 3]; K], b: [[L; 3]; K]) -> Matrix<L> {
+    let mut matrix = [
+        scaled(b[0], a[0][0]),
+        scaled(b[0], a[0][1]),
+        scaled(b[0], a[0][2]),
+    ];
+    for k in 1..K {
+        for i in 0..3 {
+            matrix[i] = scaled_sum(b[k], a[k][i], matrix[i]);
+        }
+    }
+    matrix
+}
+
+/// The stress as a matrix.
+#[inline(always)]
+pub(super) fn stress_matrix<L: Lane>(stress: &Stress<L>) -> Matrix<L> {
+    let [xx, yy, zz, xy, yz, zx] = stress.0;
+    [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]
+}
+
+/// The strain of a displacement gradient (row: component, column: direction).
+#[inline(always)]
+pub(super) fn strain_of<L: Lane>(gradient: &Matrix<L>) -> Strain<L> {
+    Strain([
+        gradient[0][0],
+        gradient[1][1],
+        gradient[2][2],
+        gradient[0][1] + gradient[1][0],
+        gradient[1][2] + gradient[2][1],
+        gradient[2][0] + gradient[0][2],
+    ])
+}
+
+/// The cofactors of a Jacobian with columns `a b c`, which are `det J` times the rows of its
+/// inverse, and the determinant.
+#[inline(always)]
+pub(super) fn cofactors<L: Lane>([a, b, c]: [[L; 3]; 3]) -> (Matrix<L>, L) {
+    let rows = [cross(b, c), cross(c, a), cross(a, b)];
+    (rows, dot(a, rows[0]))
+}

@@ -1,0 +1,339 @@
+//! Wide lanes: one element per SIMD lane, over the instruction sets that the processor has.
+//!
+//! [`dispatch`] picks the instruction set at run time and runs a [`BatchOperation`] with the lane
+//! that belongs to it. Everything below must be `#[inline(always)]`: a function that is called
+//! instead of inlined is compiled for the oldest processor and costs fifty times as much.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use powerhouse_model::{Lane, NodalScalar};
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::LaneWidth;
+
+/// More lanes than any instruction set has.
+pub(crate) const MOST_LANES: usize = 16;
+
+/// Four numbers for each element of a batch: what is read from and written to nodes.
+pub(crate) type Rows<S> = [[S; 4]; MOST_LANES];
+
+/// A lane that turns rows of nodal values into components, one element per lane, and back.
+///
+/// Turning may permute: element `j` of a batch sits in lane `l` with `positions(..)[l] == j`.
+pub(crate) trait BatchLane: Lane {
+    /// The element of the batch that sits in each lane.
+    fn positions(token: Self::Token) -> [usize; MOST_LANES];
+    /// The first three components of the first `WIDTH` rows.
+    fn components(token: Self::Token, rows: &Rows<Self::Scalar>) -> [Self; 3];
+    /// The first `WIDTH` rows of three components; the fourth is zero.
+    fn write_rows(components: [Self; 3], rows: &mut Rows<Self::Scalar>);
+}
+
+/// A scalar that elements are computed in.
+pub(crate) trait BatchScalar: NodalScalar + BatchLane<Scalar = Self, Token = ()> {
+    /// Its lanes under an instruction set.
+    type Wide<T: Simd>: BatchLane<Scalar = Self, Token = T>;
+}
+
+macro_rules! scalar_batch_lane {
+    ($scalar:ident, $wide:ident) => {
+        impl BatchScalar for $scalar {
+            type Wide<T: Simd> = $wide<T>;
+        }
+
+        impl BatchLane for $scalar {
+            #[inline(always)]
+            fn positions(_token: ()) -> [usize; MOST_LANES] {
+                [0; MOST_LANES]
+            }
+            #[inline(always)]
+            fn components(_token: (), rows: &Rows<$scalar>) -> [Self; 3] {
+                [rows[0][0], rows[0][1], rows[0][2]]
+            }
+            #[inline(always)]
+            fn write_rows(components: [Self; 3], rows: &mut Rows<$scalar>) {
+                rows[0] = [components[0], components[1], components[2], 0.0];
+            }
+        }
+    };
+}
+
+scalar_batch_lane!(f64, WideF64);
+scalar_batch_lane!(f32, WideF32);
+
+macro_rules! wide_lane {
+    (
+        $(#[$doc:meta])* $name:ident, $scalar:ident, $register:ident, $mask:ident, $lanes:ident,
+        $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $mul_add:ident,
+        $sqrt:ident, $abs:ident, $less:ident, $select:ident, $first_true:ident,
+        $as_simd:ident, $as_mut_simd:ident, $deinterleave:ident, $interleave:ident
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name<T: Simd> {
+            register: T::$register,
+            token: T,
+        }
+
+        impl<T: Simd> $name<T> {
+            #[inline(always)]
+            fn new(token: T, register: T::$register) -> Self {
+                Self { register, token }
+            }
+        }
+
+        impl<T: Simd> Add for $name<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                Self::new(self.token, self.token.$add(self.register, other.register))
+            }
+        }
+
+        impl<T: Simd> Sub for $name<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                Self::new(self.token, self.token.$sub(self.register, other.register))
+            }
+        }
+
+        impl<T: Simd> Mul for $name<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                Self::new(self.token, self.token.$mul(self.register, other.register))
+            }
+        }
+
+        impl<T: Simd> Div for $name<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, other: Self) -> Self {
+                Self::new(self.token, self.token.$div(self.register, other.register))
+            }
+        }
+
+        impl<T: Simd> Neg for $name<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self::new(self.token, self.token.$neg(self.register))
+            }
+        }
+
+        impl<T: Simd> Lane for $name<T> {
+            type Scalar = $scalar;
+            type Token = T;
+            type Mask = T::$mask;
+            const WIDTH: usize = T::$lanes;
+
+            #[inline(always)]
+            fn splat(token: T, value: f64) -> Self {
+                Self::new(token, token.$splat(value as $scalar))
+            }
+            #[inline(always)]
+            fn load(token: T, from: &[$scalar]) -> Self {
+                Self::new(token, T::$as_simd(&from[..Self::WIDTH]).0[0])
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$scalar]) {
+                T::$as_mut_simd(&mut to[..Self::WIDTH]).0[0] = self.register;
+            }
+            #[inline(always)]
+            fn token(self) -> T {
+                self.token
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, summand: Self) -> Self {
+                let product = self
+                    .token
+                    .$mul_add(self.register, factor.register, summand.register);
+                Self::new(self.token, product)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self::new(self.token, self.token.$sqrt(self.register))
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                Self::new(self.token, self.token.$abs(self.register))
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> Self::Mask {
+                self.token.$less(self.register, other.register)
+            }
+            #[inline(always)]
+            fn select(self, mask: Self::Mask, other: Self) -> Self {
+                let chosen = self.token.$select(mask, self.register, other.register);
+                Self::new(self.token, chosen)
+            }
+            #[inline(always)]
+            fn any(self, mask: Self::Mask) -> bool {
+                self.token.$first_true(mask) < Self::WIDTH
+            }
+            #[inline(always)]
+            fn extract(self, lane: usize) -> f64 {
+                let mut lanes = [0.0; MOST_LANES];
+                self.store(&mut lanes);
+                assert!(lane < Self::WIDTH, "a lane beyond the width");
+                f64::from(lanes[lane])
+            }
+            #[inline(always)]
+            fn build(token: T, mut value: impl FnMut(usize) -> f64) -> Self {
+                let mut lanes = [0.0; MOST_LANES];
+                for lane in 0..Self::WIDTH {
+                    lanes[lane] = value(lane) as $scalar;
+                }
+                Self::load(token, &lanes)
+            }
+        }
+
+        impl<T: Simd> BatchLane for $name<T> {
+            #[inline(always)]
+            fn positions(token: T) -> [usize; MOST_LANES] {
+                let mut rows = [[0.0; 4]; MOST_LANES];
+                for (position, row) in rows.iter_mut().enumerate() {
+                    row[0] = position as $scalar;
+                }
+                let numbers = Self::components(token, &rows)[0];
+                let mut positions = [0; MOST_LANES];
+                for lane in 0..Self::WIDTH {
+                    positions[lane] = numbers.extract(lane) as usize;
+                }
+                positions
+            }
+            #[inline(always)]
+            fn components(token: T, rows: &Rows<$scalar>) -> [Self; 3] {
+                let registers = T::$as_simd(rows[..Self::WIDTH].as_flattened()).0;
+                let rows = [registers[0], registers[1], registers[2], registers[3]];
+                let [x, y, z, _] = token.$deinterleave(rows);
+                [
+                    Self::new(token, x),
+                    Self::new(token, y),
+                    Self::new(token, z),
+                ]
+            }
+            #[inline(always)]
+            fn write_rows([x, y, z]: [Self; 3], rows: &mut Rows<$scalar>) {
+                let zero = x.token.$splat(0.0);
+                let turned = x
+                    .token
+                    .$interleave([x.register, y.register, z.register, zero]);
+                let registers = T::$as_mut_simd(rows[..Self::WIDTH].as_flattened_mut()).0;
+                for i in 0..4 {
+                    registers[i] = turned[i];
+                }
+            }
+        }
+    };
+}
+
+wide_lane! {
+    /// Double precision, as many numbers as a register holds.
+    WideF64, f64, f64s, m64s, F64_LANES,
+    splat_f64s, add_f64s, sub_f64s, mul_f64s, div_f64s, neg_f64s, mul_add_f64s,
+    sqrt_f64s, abs_f64s, less_than_f64s, select_f64s, first_true_m64s,
+    as_simd_f64s, as_mut_simd_f64s, deinterleave_shfl_f64s, interleave_shfl_f64s
+}
+
+wide_lane! {
+    /// Single precision, as many numbers as a register holds.
+    WideF32, f32, f32s, m32s, F32_LANES,
+    splat_f32s, add_f32s, sub_f32s, mul_f32s, div_f32s, neg_f32s, mul_add_f32s,
+    sqrt_f32s, abs_f32s, less_than_f32s, select_f32s, first_true_m32s,
+    as_simd_f32s, as_mut_simd_f32s, deinterleave_shfl_f32s, interleave_shfl_f32s
+}
+
+/// Work on batches, generic over the lane.
+pub(crate) trait BatchOperation<S: BatchScalar> {
+    /// What it yields.
+    type Output;
+    /// Does it; implementations are `#[inline(always)]`.
+    fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> Self::Output;
+}
+
+/// Runs an operation under the best instruction set of the processor.
+pub(crate) fn dispatch<S: BatchScalar, O: BatchOperation<S>>(
+    lanes: Lanes,
+    operation: O,
+) -> O::Output {
+    struct Dispatched<S, O> {
+        one: bool,
+        operation: O,
+        scalar: core::marker::PhantomData<S>,
+    }
+    impl<S: BatchScalar, O: BatchOperation<S>> WithSimd for Dispatched<S, O> {
+        type Output = O::Output;
+        #[inline(always)]
+        fn with_simd<T: Simd>(self, token: T) -> O::Output {
+            if T::IS_SCALAR || self.one {
+                self.operation.run::<S>(())
+            } else {
+                self.operation.run::<S::Wide<T>>(token)
+            }
+        }
+    }
+    lanes.arch.dispatch(Dispatched {
+        one: lanes.one,
+        operation,
+        scalar: core::marker::PhantomData::<S>,
+    })
+}
+
+/// The choice of lanes of a block: instruction set, and whether to use it for one element only.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lanes {
+    arch: Arch,
+    one: bool,
+}
+
+impl Lanes {
+    /// The lanes of this processor.
+    pub(crate) fn new(width: LaneWidth) -> Self {
+        Self {
+            arch: Arch::new(),
+            one: width == LaneWidth::One,
+        }
+    }
+    /// How many elements are computed at once in a scalar, and which sits in each lane.
+    pub(crate) fn arrangement<S: BatchScalar>(self) -> Arrangement {
+        struct Arrange;
+        impl<S: BatchScalar> BatchOperation<S> for Arrange {
+            type Output = Arrangement;
+            #[inline(always)]
+            fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> Arrangement {
+                let element_in = L::positions(token);
+                let mut lane_of = [0; MOST_LANES];
+                for lane in 0..L::WIDTH {
+                    lane_of[element_in[lane]] = lane;
+                }
+                Arrangement {
+                    width: L::WIDTH,
+                    element_in,
+                    lane_of,
+                }
+            }
+        }
+        dispatch::<S, _>(self, Arrange)
+    }
+}
+
+/// Where the elements of a batch sit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrangement {
+    /// Elements at once.
+    pub(crate) width: usize,
+    /// The element of the batch in each lane.
+    pub(crate) element_in: [usize; MOST_LANES],
+    /// The lane of each element of the batch.
+    pub(crate) lane_of: [usize; MOST_LANES],
+}
+
+impl Arrangement {
+    /// Where number `index` of `count` per element is stored for an element of a block.
+    pub(crate) fn place(&self, element: usize, index: usize, count: usize) -> usize {
+        let (batch, j) = (element / self.width, element % self.width);
+        (batch * count + index) * self.width + self.lane_of[j]
+    }
+}
