@@ -70,7 +70,7 @@ macro_rules! wide_lane {
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
-        pub struct $name<T: Simd> {
+        pub(crate) struct $name<T: Simd> {
             register: T::$register,
             token: T,
         }
