@@ -28,6 +28,8 @@ impl LinearElastic {
 }
 
 impl ConstitutiveLaw for LinearElastic {
+    const LINEAR: bool = true;
+
     fn name(&self) -> &str {
         "linear-elastic"
     }
@@ -43,9 +45,6 @@ impl ConstitutiveLaw for LinearElastic {
         let lambda = L::splat(token, self.lambda);
         let shear = L::splat(token, self.shear);
         Stress::elastic(lambda, shear, &input.strain)
-    }
-    fn is_linear(&self) -> bool {
-        true
     }
     fn tangent(&self, _input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let mut rows = [[0.0; 6]; 6];

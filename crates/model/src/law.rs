@@ -71,6 +71,7 @@ impl<'a, L: Lane> LawInput<'a, L> {
 /// struct Linear(ElasticMedium);
 ///
 /// impl ConstitutiveLaw for Linear {
+///     const LINEAR: bool = true;
 ///     fn name(&self) -> &str { "linear" }
 ///     fn medium(&self) -> ElasticMedium { self.0 }
 ///     fn history(&self) -> &'static [HistoryVariable] { &[] }
@@ -86,6 +87,10 @@ impl<'a, L: Lane> LawInput<'a, L> {
 /// # Ok::<(), powerhouse_model::ParameterError>(())
 /// ```
 pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
+    /// Whether the change of stress is always `lambda tr(e) I + 2 G e` of
+    /// [`medium`](Self::medium); engines then use closed forms and never ask the law.
+    const LINEAR: bool = false;
+
     /// The law's name in reports.
     fn name(&self) -> &str;
     /// The elastic medium of the undamaged material.
@@ -94,10 +99,9 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     fn history(&self) -> &'static [HistoryVariable];
     /// The change of stress (Pa) against the initial stress; writes the new history.
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L>;
-    /// Whether stress is linear in strain, `lambda tr(e) I + 2 G e` of [`medium`](Self::medium);
-    /// engines then use closed forms for energy and operators.
+    /// Whether the law is [`LINEAR`](Self::LINEAR).
     fn is_linear(&self) -> bool {
-        self.history().is_empty()
+        Self::LINEAR
     }
     /// The tangent `d stress / d strain` (Pa, 6 x 6, rows of stress) at a point, if the law offers
     /// one.
@@ -160,9 +164,6 @@ impl ConstitutiveLaw for PointAdapter {
     }
     fn history(&self) -> &'static [HistoryVariable] {
         self.0.history()
-    }
-    fn is_linear(&self) -> bool {
-        false
     }
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
         let token = input.strain.0[0].token();
