@@ -44,6 +44,34 @@ pub enum ObserveError {
         /// The set.
         set: String,
     },
+    /// A cut whose normal, or whose direction along in the plane, has no length.
+    #[error("the {what} ({x}, {y}, {z}) of cut '{cut}' gives no direction in space")]
+    NoDirection {
+        /// The cut.
+        cut: String,
+        /// `normal` or `along`.
+        what: &'static str,
+        /// First component.
+        x: f64,
+        /// Second component.
+        y: f64,
+        /// Third component.
+        z: f64,
+    },
+    /// A cut that meets none of its elements.
+    #[error("the plane of cut '{cut}' meets none of its elements")]
+    EmptyCut {
+        /// The cut.
+        cut: String,
+    },
+    /// The elements of a cut could not be computed.
+    #[error("cut '{cut}': {source}")]
+    Refused {
+        /// The cut.
+        cut: String,
+        /// Why.
+        source: ModelError,
+    },
     /// An energy history without an energy ledger.
     #[error("the run keeps no energy ledger")]
     NoLedger,

@@ -4,16 +4,19 @@
 //! |---|---|---|
 //! | [`History`] | motion at probes, relative motion, stress at elements, against time | 8 bytes a column and row |
 //! | [`EnergyHistory`] | the columns of the energy ledger | 8 bytes a column and row |
+//! | [`SectionForces`] | normal force, shears and moments of cuts through linings and pillars | 8 bytes a column and row; 144 a node and 288 an element of the cut |
 //! | [`Envelope`] | largest motion of nodes, greatest and least principal stress of elements, with their times | 16 bytes a node and kind of motion, 32 an element |
 //! | [`Snapshots`] | nothing: hands whole fields to a [`SnapshotSink`] | one copy of each field wanted |
 //!
 //! An observer goes into the run and is lost to its maker; what it collects is read through a
-//! [`Recording`], during the run or after it. Results of the first two are [`HistoryTable`]s;
+//! [`Recording`], during the run or after it. Results of the first three are [`HistoryTable`]s;
 //! [`PeakTable`] sums up tables and envelopes for a report.
 //!
 //! # Why so
 //! *Stresses are changes of stress*: observers see what the engine computes, and an initial stress
-//! does not change.
+//! does not change. *Section forces are a virtual work*, see [`SectionForces`]: integrated
+//! tractions of element stresses lose the moment of a lining of one element, and balance no
+//! loads on a coarse mesh.
 //! *Tables know names and units*, so that whoever writes a file needs no second list of them.
 
 mod energy;
@@ -24,6 +27,7 @@ mod peaks;
 mod place;
 mod principal;
 mod recording;
+mod section;
 mod snapshots;
 mod table;
 
@@ -35,6 +39,7 @@ pub use peaks::{PeakPlace, PeakRow, PeakTable};
 pub use place::{Motion, Place, Spot, StressPlace};
 pub use principal::principal_stresses;
 pub use recording::Recording;
+pub use section::{Cut, CutSource, SectionForces, SectionGeometry};
 pub use snapshots::{Snapshot, SnapshotFields, SnapshotSink, Snapshots};
 pub use table::{Column, HistoryTable};
 

@@ -1,8 +1,10 @@
 //! Observers, driven by steps with prescribed fields.
 
+mod beam;
 mod envelope;
 mod history;
 mod principal;
+mod section;
 mod snapshots;
 
 use powerhouse_model::{Observer, StepView, Stress, Vec3};

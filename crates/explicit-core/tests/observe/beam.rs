@@ -1,0 +1,204 @@
+//! Beams of solids along x, with any kernel, and their static deflection.
+
+use powerhouse_explicit_core::observe::{Cut, CutSource, SectionForces};
+use powerhouse_explicit_core::{
+    BlockFactory, BlockOptions, BlockPart, Hex8BBar, Hex8Full, Hex8OnePoint, Precision, Tet4,
+    Wedge6, solid,
+};
+use powerhouse_model::{
+    Cadence, ConstitutiveLaw, ElasticMedium, ElementBlock, HistoryVariable, Lane, LawInput, Mesh,
+    NodalView, NodalViewMut, Numbering, Operator, Quad, Stress, Vec3,
+};
+
+use crate::Fields;
+
+/// Hooke's law.
+#[derive(Clone)]
+struct Linear(ElasticMedium);
+
+impl ConstitutiveLaw for Linear {
+    fn name(&self) -> &str {
+        "linear"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &[]
+    }
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
+        let one = input.strain.0[0].constant(1.0);
+        let (lambda, shear) = (self.0.lambda(), self.0.shear());
+        Stress::elastic(one.constant(lambda), one.constant(shear), &input.strain)
+    }
+}
+
+/// A kernel by name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kernel {
+    OnePoint,
+    Full,
+    BBar,
+    Wedge,
+    Tet,
+}
+
+pub(crate) const KERNELS: [Kernel; 5] = [
+    Kernel::OnePoint,
+    Kernel::Full,
+    Kernel::BBar,
+    Kernel::Wedge,
+    Kernel::Tet,
+];
+
+impl Kernel {
+    pub(crate) fn factory(
+        self,
+        medium: ElasticMedium,
+        precision: Precision,
+    ) -> Box<dyn BlockFactory> {
+        let law = Linear(medium);
+        let mut options = BlockOptions::default();
+        options.precision = precision;
+        match self {
+            Self::OnePoint => solid("beam", Hex8OnePoint::default(), law, options),
+            Self::Full => solid("beam", Hex8Full, law, options),
+            Self::BBar => solid("beam", Hex8BBar, law, options),
+            Self::Wedge => solid("beam", Wedge6, law, options),
+            Self::Tet => solid("beam", Tet4, law, options),
+        }
+    }
+    /// A box of the kernel's elements.
+    pub(crate) fn mesh(self, low: Vec3, high: Vec3, cells: [usize; 3]) -> Mesh {
+        let generator = match self {
+            Self::Wedge => Mesh::box_of_wedges,
+            Self::Tet => Mesh::box_of_tets,
+            _ => Mesh::box_of_hexes,
+        };
+        generator(low, high, cells, "beam").unwrap()
+    }
+}
+
+/// A body of one set, as one block.
+pub(crate) struct Body {
+    pub(crate) mesh: Mesh,
+    pub(crate) factory: Box<dyn BlockFactory>,
+    pub(crate) medium: ElasticMedium,
+    block: Box<dyn ElementBlock>,
+}
+
+impl Body {
+    pub(crate) fn new(mesh: Mesh, kernel: Kernel, medium: ElasticMedium) -> Self {
+        let every: Vec<u32> = (0..mesh.node_count() as u32).collect();
+        let numbering = Numbering {
+            engine_of: every.clone(),
+            mesh_of: every.clone(),
+        };
+        let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
+        let factory = kernel.factory(medium, Precision::F64);
+        let part = BlockPart::new(&mesh, &elements, &numbering, &every);
+        let block = factory.build(&part).unwrap();
+        Self {
+            mesh,
+            factory,
+            medium,
+            block,
+        }
+    }
+
+    fn stiffness_times(&self, x: &[Vec3]) -> Vec<Vec3> {
+        let x: Vec<Quad<f64>> = x.iter().map(Quad::from_vector).collect();
+        let mut out = vec![Quad::<f64>::default(); x.len()];
+        let (x, y) = (NodalView::F64(&x), NodalViewMut::F64(&mut out));
+        self.block.apply(Operator::Elastic, x, y);
+        out.into_iter().map(Quad::to_vector).collect()
+    }
+
+    /// Stresses (Pa) of all elements at a displacement.
+    pub(crate) fn stresses(&self, displacement: &[Vec3]) -> Vec<Stress> {
+        let nodes: Vec<Quad<f64>> = displacement.iter().map(Quad::from_vector).collect();
+        let mut stresses = vec![Stress::default(); self.mesh.element_count()];
+        self.block.add_stress(NodalView::F64(&nodes), &mut stresses);
+        stresses
+    }
+
+    /// The displacement under nodal forces with some nodes held, by conjugate gradients.
+    pub(crate) fn deflection(&self, held: &[u32], forces: &[Vec3]) -> Vec<Vec3> {
+        let release = |values: &mut [Vec3]| {
+            for &node in held {
+                values[node as usize] = Vec3::zeros();
+            }
+        };
+        let dot = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
+        let mut residual = forces.to_vec();
+        release(&mut residual);
+        let mut displacement = vec![Vec3::zeros(); residual.len()];
+        let mut direction = residual.clone();
+        let start = dot(&residual, &residual);
+        let mut square = start;
+        for _ in 0..20 * residual.len() {
+            if square <= 1e-24 * start {
+                return displacement;
+            }
+            let mut image = self.stiffness_times(&direction);
+            release(&mut image);
+            let step = square / dot(&direction, &image);
+            for i in 0..residual.len() {
+                displacement[i] += step * direction[i];
+                residual[i] -= step * image[i];
+            }
+            let next = dot(&residual, &residual);
+            for i in 0..residual.len() {
+                direction[i] = residual[i] + direction[i] * (next / square);
+            }
+            square = next;
+        }
+        panic!("no convergence: {square:e} of {start:e}");
+    }
+
+    /// The section forces of a cut at a displacement: the nine columns in their order.
+    pub(crate) fn section(&self, cut: &Cut, displacement: &[Vec3]) -> Vec<f64> {
+        let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
+        observer.add_cut(&self.mesh, cut, &[self.source()]).unwrap();
+        self.observed(observer, displacement, &self.stresses(displacement))
+    }
+
+    pub(crate) fn source(&self) -> CutSource<'_> {
+        CutSource {
+            elements: self.mesh.element_set("beam").unwrap(),
+            factory: &*self.factory,
+            medium: self.medium,
+        }
+    }
+
+    /// What an observer records of one step.
+    pub(crate) fn observed(
+        &self,
+        mut observer: SectionForces,
+        displacement: &[Vec3],
+        stresses: &[Stress],
+    ) -> Vec<f64> {
+        let recording = observer.recording();
+        let mut view = Fields::at_rest(self.mesh.node_count());
+        view.displacement = Box::new(|node, _| displacement[node as usize]);
+        view.stress = Box::new(|element, _| stresses[element as usize]);
+        view.show(&mut observer, 0.0);
+        let table = recording.copy();
+        table
+            .columns
+            .iter()
+            .map(|column| column.values[0])
+            .collect()
+    }
+}
+
+/// A cut across x with the width along y.
+pub(crate) fn cut_at(x: f64) -> Cut {
+    Cut {
+        name: "cut".into(),
+        point: Vec3::new(x, 0.0, 0.0),
+        normal: Vec3::x(),
+        along: Vec3::y(),
+        within: None,
+    }
+}
