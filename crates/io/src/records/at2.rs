@@ -47,12 +47,13 @@ pub(super) fn header(text: &str) -> Result<Option<Header>, RecordError> {
             .map_err(|_| RecordError::content(line + 1, 0, not_a_number(count)))?;
         let step = number(step, line + 1, 0)?;
         check_step(step).map_err(|fault| RecordError::content(line + 1, 0, fault))?;
+        let unit = unit(&above)?;
         above.retain(|line| !line.is_empty());
         return Ok(Some(Header {
             line,
             count,
             step,
-            unit: unit(&above),
+            unit,
             title: above.join("; "),
         }));
     }
@@ -73,15 +74,35 @@ fn assigned<'a>(upper: &'a str, key: &str) -> Option<&'a str> {
     Some(&value[..end.unwrap_or(value.len())]).filter(|value| !value.is_empty())
 }
 
-/// The unit that the title lines declare.
-fn unit(lines: &[&str]) -> Option<AccelerationUnit> {
-    let joined = lines.join(" ").to_ascii_uppercase();
-    let behind = joined
-        .split("UNITS OF ")
-        .nth(1)
-        .or_else(|| joined.split("UNITS: ").nth(1))?;
-    let word = behind.split([' ', ',', ';']).next()?;
-    AccelerationUnit::from_name(word)
+/// The unit that the first lines of the file declare, if they do.
+fn unit(lines: &[&str]) -> Result<Option<AccelerationUnit>, RecordError> {
+    for (line, content) in lines.iter().enumerate() {
+        let upper = content.to_ascii_uppercase();
+        for key in ["UNITS OF ", "UNITS: "] {
+            let Some(place) = upper.find(key) else {
+                continue;
+            };
+            let behind = &upper[place + key.len()..];
+            let word = behind.trim_start().split([' ', ',', ';']).next();
+            let word = word.unwrap_or_default().trim_matches(['(', ')', '.']);
+            return AccelerationUnit::from_name(word).map(Some).ok_or_else(|| {
+                let found = word.chars().take(40).collect();
+                RecordError::content(line + 1, place + 1, RecordFault::UnknownUnit { found })
+            });
+        }
+    }
+    Ok(None)
+}
+
+/// Whether a line starts with a word, and no line after it starts with a number.
+fn is_last(text: &str, line: usize) -> bool {
+    let starts_with_number = |content: &str| {
+        let words = fixed_width(content);
+        words
+            .first()
+            .is_some_and(|&(column, word)| number(word, 0, column).is_ok())
+    };
+    !text.lines().skip(line).any(starts_with_number)
 }
 
 /// Reads the samples behind the header.
@@ -118,6 +139,9 @@ pub(super) fn read(
                 Ok(value) => samples.push(value * unit.factor()),
                 // Words behind the last sample are a trailer.
                 Err(_) if samples.len() as u64 >= header.count => break 'lines,
+                Err(_) if options.count == CountRule::AsFound && is_last(text, line) => {
+                    break 'lines;
+                }
                 Err(error) => return Err(error),
             }
         }

@@ -49,7 +49,9 @@ pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, Record
         samples.push(number(word, line, column)? * unit.factor());
     }
     let step = match (uniform_step(&times)?, options.step) {
-        (Some(found), Some(declared)) if (found - declared).abs() > UNIFORMITY * declared => {
+        (Some(found), Some(declared))
+            if (found - declared).abs() * times.len() as f64 > UNIFORMITY * found =>
+        {
             let fault = RecordFault::StepConflict { found, declared };
             return Err(RecordError::content(0, 0, fault));
         }
@@ -62,11 +64,14 @@ pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, Record
         }
         (None, _) => return Err(RecordError::content(0, 0, RecordFault::NoStep)),
     };
+    let start = times.first().filter(|(_, start)| *start != 0.0);
+    let warnings =
+        start.map(|(_, start)| format!("the time {start} s of the first row is taken as zero"));
     Ok(Record {
         title: title.join("; "),
         step,
         samples,
-        warnings: Vec::new(),
+        warnings: warnings.into_iter().collect(),
     })
 }
 
@@ -86,6 +91,24 @@ fn is_name(cell: &str) -> bool {
         && !["nan", "inf", "infinity"].contains(&lower.as_str())
 }
 
+/// Holds each time against the one before it and the median step, which a gap does not move: so the
+/// gap itself is named, and not the row where the mean step first fails.
+fn check_gaps(times: &[(usize, f64)]) -> Result<(), RecordError> {
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
+    let middle = steps.len() / 2;
+    let (_, &mut median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    for pair in times.windows(2) {
+        let ((_, before), (line, time)) = (pair[0], pair[1]);
+        let expected = before + median;
+        // Both ends of a step are rounded.
+        if (time - expected).abs() > 2.0 * UNIFORMITY * median.abs() {
+            let fault = RecordFault::NotUniform { time, expected };
+            return Err(RecordError::content(line, 1, fault));
+        }
+    }
+    Ok(())
+}
+
 /// The step of a time column, none if there is no such column.
 fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
     let ([(_, first), .., (last_line, last)], count) = (times, times.len()) else {
@@ -99,6 +122,7 @@ fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
             RecordFault::Step { value: step },
         ));
     }
+    check_gaps(times)?;
     for (place, &(line, time)) in times.iter().enumerate() {
         let expected = first + place as f64 * step;
         if (time - expected).abs() > UNIFORMITY * step {

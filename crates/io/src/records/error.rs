@@ -80,6 +80,12 @@ pub enum RecordFault {
     /// A unit that neither the file nor the caller declares.
     #[error("neither the file nor the caller declares the unit of acceleration")]
     NoUnit,
+    /// A unit in the file that is none of acceleration, such as that of a velocity.
+    #[error("the file's unit {found:?} is none of acceleration (g, gal, cm/s2, m/s2)")]
+    UnknownUnit {
+        /// What stands there.
+        found: String,
+    },
     /// A unit declared twice, differently.
     #[error("the file's unit is {found}, the declared one {declared}")]
     UnitConflict {

@@ -7,6 +7,7 @@ mod number;
 mod set;
 mod unit;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 pub use error::{RecordError, RecordFault};
@@ -82,6 +83,7 @@ pub fn parse_record(bytes: &[u8], options: &RecordOptions) -> Result<Record, Rec
     }
     // Titles may come in any single-byte encoding; numbers are plain ASCII in all of them.
     let text = String::from_utf8_lossy(bytes);
+    let text = plain(&text);
     let record = match at2::header(&text)? {
         Some(header) => at2::read(&text, &header, options)?,
         None => columns::read(&text, options)?,
@@ -91,6 +93,18 @@ pub fn parse_record(bytes: &[u8], options: &RecordOptions) -> Result<Record, Rec
         return Err(RecordError::content(0, 0, RecordFault::TooShort { found }));
     }
     Ok(record)
+}
+
+/// The text without a mark of UTF-8 in front or an end-of-file mark behind, and with line ends that
+/// `str::lines` knows if it has only those of old systems.
+fn plain(text: &str) -> Cow<'_, str> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = text.trim_end_matches(|c: char| c == '\u{1a}' || c.is_whitespace());
+    if text.contains('\n') {
+        text.into()
+    } else {
+        text.replace('\r', "\n").into()
+    }
 }
 
 fn check_step(step: f64) -> Result<(), RecordFault> {

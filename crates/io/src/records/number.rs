@@ -18,15 +18,38 @@ pub(super) fn number(text: &str, line: usize, column: usize) -> Result<f64, Reco
         }
         return Err(not_a_number());
     }
-    let value: f64 = text
-        .replace(['D', 'd'], "E")
-        .parse()
-        .map_err(|_| not_a_number())?;
+    let mut spelled = text.replace(['D', 'd'], "E");
+    if let Some(sign) = bare_exponent(text) {
+        spelled.insert(sign, 'E');
+    }
+    let value: f64 = spelled.parse().map_err(|_| not_a_number())?;
     if value.is_finite() {
         Ok(value)
     } else {
         Err(fault(RecordFault::NotFinite { text: text.into() }))
     }
+}
+
+/// Where the exponent starts that Fortran writes without a letter when it has three digits, as in
+/// `.123-101`.
+fn bare_exponent(text: &str) -> Option<usize> {
+    let sign = text.len().checked_sub(4)?;
+    let (mantissa, exponent) = text.split_at_checked(sign)?;
+    let digits = exponent.strip_prefix(['+', '-'])?;
+    let is_bare = digits.bytes().all(|byte| byte.is_ascii_digit())
+        && mantissa.contains('.')
+        && mantissa.ends_with(|c: char| c.is_ascii_digit() || c == '.')
+        && !mantissa.contains(['e', 'E', 'd', 'D']);
+    is_bare.then_some(sign)
+}
+
+/// Whether the sign at `place` belongs to such an exponent of the number that starts at `from`.
+fn continues(line: &str, from: usize, place: usize) -> bool {
+    let behind = line.as_bytes().get(place + 4);
+    behind.is_none_or(|byte| byte.is_ascii_whitespace() || b",+-".contains(byte))
+        && line
+            .get(from..place + 4)
+            .is_some_and(|text| bare_exponent(text).is_some())
 }
 
 /// Splits a line of fixed-width numbers, which may touch where a sign separates them; each comes
@@ -39,7 +62,7 @@ pub(super) fn fixed_width(line: &str) -> Vec<(usize, &str)> {
         let blank = c.is_whitespace() || c == ',';
         let sign = (c == '-' || c == '+') && !"eEdD".contains(previous);
         if let Some(from) = start
-            && (blank || sign)
+            && (blank || (sign && !continues(line, from, place)))
         {
             found.push((from + 1, &line[from..place]));
             start = None;

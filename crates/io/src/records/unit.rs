@@ -29,11 +29,19 @@ impl AccelerationUnit {
             Self::Gravity => "g",
         }
     }
-    /// The unit of a name; `cm/s2` is `gal`, case does not matter.
+    /// The unit of a name; `cm/s2` is `gal`, case does not matter. The second may be `s` or `sec`,
+    /// its square `s2`, `s^2`, `s**2` or `s/s`.
     pub fn from_name(name: &str) -> Option<Self> {
-        Some(match name.trim().to_ascii_lowercase().as_str() {
-            "m/s2" | "m/s^2" | "m/s/s" | "m/sec2" => Self::MetrePerSecondSquared,
-            "gal" | "cm/s2" | "cm/s^2" | "cm/s/s" | "cm/sec2" => Self::Gal,
+        let plain = name
+            .trim()
+            .to_ascii_lowercase()
+            .replace("sec", "s")
+            .replace("**", "")
+            .replace('^', "")
+            .replace("/s/s", "/s2");
+        Some(match plain.as_str() {
+            "m/s2" => Self::MetrePerSecondSquared,
+            "gal" | "cm/s2" => Self::Gal,
             "g" => Self::Gravity,
             _ => return None,
         })
