@@ -1,9 +1,10 @@
 //! Wide lanes: one element per SIMD lane, over the instruction sets that the processor has.
 //!
-//! [`dispatch`] picks the instruction set at run time and runs a [`BatchOperation`] with the lane
+//! [`Lanes`] holds the instruction set, picked at run time, and runs a [`BatchOperation`] with the lane
 //! that belongs to it. Everything below must be `#[inline(always)]`: a function that is called
 //! instead of inlined is compiled for the oldest processor and costs fifty times as much.
 
+use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use powerhouse_model::{Lane, NodalScalar};
@@ -253,48 +254,25 @@ pub(crate) trait BatchOperation<S: BatchScalar> {
     fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> Self::Output;
 }
 
-/// Runs an operation under the best instruction set of the processor.
-pub(crate) fn dispatch<S: BatchScalar, O: BatchOperation<S>>(
-    lanes: Lanes,
-    operation: O,
-) -> O::Output {
-    struct Dispatched<S, O> {
-        one: bool,
-        operation: O,
-        scalar: core::marker::PhantomData<S>,
-    }
-    impl<S: BatchScalar, O: BatchOperation<S>> WithSimd for Dispatched<S, O> {
-        type Output = O::Output;
-        #[inline(always)]
-        fn with_simd<T: Simd>(self, token: T) -> O::Output {
-            if T::IS_SCALAR || self.one {
-                self.operation.run::<S>(())
-            } else {
-                self.operation.run::<S::Wide<T>>(token)
-            }
-        }
-    }
-    lanes.arch.dispatch(Dispatched {
-        one: lanes.one,
-        operation,
-        scalar: core::marker::PhantomData::<S>,
-    })
-}
-
-/// The choice of lanes of a block: instruction set, and whether to use it for one element only.
+/// The instruction set of a block.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lanes {
-    arch: Arch,
-    one: bool,
-}
+pub(crate) struct Lanes(Arch);
 
 impl Lanes {
-    /// The lanes of this processor.
+    /// The lanes of this processor, or one.
     pub(crate) fn new(width: LaneWidth) -> Self {
-        Self {
-            arch: Arch::new(),
-            one: width == LaneWidth::One,
+        match width {
+            LaneWidth::Native => Self(Arch::new()),
+            LaneWidth::One => Self(Arch::Scalar),
         }
+    }
+    /// Runs an operation.
+    #[inline]
+    pub(crate) fn dispatch<S: BatchScalar, O: BatchOperation<S>>(self, operation: O) -> O::Output {
+        self.0.dispatch(Dispatched {
+            operation,
+            scalar: PhantomData::<S>,
+        })
     }
     /// How many elements are computed at once in a scalar, and which sits in each lane.
     pub(crate) fn arrangement<S: BatchScalar>(self) -> Arrangement {
@@ -315,7 +293,24 @@ impl Lanes {
                 }
             }
         }
-        dispatch::<S, _>(self, Arrange)
+        self.dispatch::<S, _>(Arrange)
+    }
+}
+
+struct Dispatched<S, O> {
+    operation: O,
+    scalar: PhantomData<S>,
+}
+
+impl<S: BatchScalar, O: BatchOperation<S>> WithSimd for Dispatched<S, O> {
+    type Output = O::Output;
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, token: T) -> O::Output {
+        if const { T::IS_SCALAR } {
+            self.operation.run::<S>(())
+        } else {
+            self.operation.run::<S::Wide<T>>(token)
+        }
     }
 }
 

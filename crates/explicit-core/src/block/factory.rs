@@ -4,16 +4,18 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElementBlock, ElementKernel, ElementKind, Geometry, ModelError, Vec3,
+    ConstitutiveLaw, ElasticMedium, ElementBlock, ElementKernel, ElementKind, Geometry,
+    HistoryVariable, Lane, LawInput, ModelError, Stress, Vec3,
 };
 
-use super::accounts::Account;
+use super::account::Account;
 use super::error::BlockError;
 use super::frequency::HighestSquares;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
+use super::transfer::{Locals, NodeScalar};
 use super::{Block, History};
-use crate::lanes::{BatchScalar, Lanes, dispatch};
+use crate::lanes::Lanes;
 use crate::{BlockFactory, BlockOptions, BlockPart, Precision};
 
 /// A factory of solid blocks from any kernel and any law.
@@ -24,6 +26,7 @@ use crate::{BlockFactory, BlockOptions, BlockPart, Precision};
 /// # #[derive(Clone)]
 /// # struct Linear(ElasticMedium);
 /// # impl ConstitutiveLaw for Linear {
+/// #     const LINEAR: bool = true;
 /// #     fn name(&self) -> &str { "linear" }
 /// #     fn medium(&self) -> ElasticMedium { self.0 }
 /// #     fn history(&self) -> &'static [HistoryVariable] { &[] }
@@ -47,12 +50,46 @@ where
     K: ElementKernel<N, P>,
     M: ConstitutiveLaw,
 {
+    let label = label.into();
+    if const { M::LINEAR } {
+        // All linear laws share one block.
+        return Box::new(Solid::<K, Isotropic, N, P> {
+            label,
+            kernel,
+            law: Isotropic(law.medium()),
+            options,
+        });
+    }
     Box::new(Solid::<K, M, N, P> {
-        label: label.into(),
+        label,
         kernel,
         law,
         options,
     })
+}
+
+/// The law of blocks that need to know of no other.
+#[derive(Clone)]
+pub(crate) struct Isotropic(pub(crate) ElasticMedium);
+
+impl ConstitutiveLaw for Isotropic {
+    const LINEAR: bool = true;
+
+    fn name(&self) -> &str {
+        "isotropic"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &[]
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
+        let any = input.strain.0[0];
+        let (lambda, shear) = (self.0.lambda(), self.0.shear());
+        Stress::elastic(any.constant(lambda), any.constant(shear), &input.strain)
+    }
 }
 
 struct Solid<K, M, const N: usize, const P: usize> {
@@ -89,7 +126,7 @@ where
     K: ElementKernel<N, P>,
     M: ConstitutiveLaw,
 {
-    fn block<S: BatchScalar>(&self, part: &BlockPart) -> Result<Block<K, M, S, N, P>, ModelError> {
+    fn block<S: NodeScalar>(&self, part: &BlockPart) -> Result<Block<K, M, S, N, P>, ModelError> {
         let refused = |error: BlockError| ModelError::refused(&*self.label, error);
         let lanes = Lanes::new(self.options.lanes);
         let arrangement = lanes.arrangement::<S>();
@@ -98,8 +135,8 @@ where
             lambda: medium.lambda(),
             shear: medium.shear(),
         };
-        let (engine, places) = self.connect(part, arrangement.width).map_err(refused)?;
-        let padded = engine.len();
+        let places = self.connect(part, arrangement.width).map_err(refused)?;
+        let padded = places.len();
 
         let length = self.kernel.geometry_len();
         let mut geometry = AlignedNumbers::<S>::zeros(padded * length);
@@ -123,14 +160,11 @@ where
                 shapes.push((corners, masses));
             }
         }
-        let squares = dispatch::<f64, _>(
-            lanes,
-            HighestSquares {
-                kernel: &self.kernel,
-                moduli,
-                elements: &shapes,
-            },
-        );
+        let squares = lanes.dispatch::<f64, _>(HighestSquares {
+            kernel: &self.kernel,
+            moduli,
+            elements: &shapes,
+        });
         let variables = self.law.history().len();
         Ok(Block {
             label: self.label.clone(),
@@ -141,7 +175,6 @@ where
             arrangement,
             elements: part.elements.to_vec(),
             nodes: part.nodes.to_vec(),
-            engine,
             places,
             geometry,
             sizes,
@@ -151,22 +184,16 @@ where
             reference: None,
             initial: AlignedNumbers::zeros(0),
             history: History::new(variables, padded * P * variables),
-            present: Vec::new(),
+            locals: Locals::default(),
             account: Account::default(),
             law: self.law.clone(),
         })
     }
 
-    /// Engine numbers and places of the nodes, whole batches: the last element is repeated.
-    #[expect(clippy::type_complexity)]
-    fn connect(
-        &self,
-        part: &BlockPart,
-        width: usize,
-    ) -> Result<(Vec<[u32; N]>, Vec<[u32; N]>), BlockError> {
+    /// Places of the nodes of each element, whole batches: the last element is repeated.
+    fn connect(&self, part: &BlockPart, width: usize) -> Result<Vec<[u32; N]>, BlockError> {
         let place_of: HashMap<u32, u32> = part.nodes.iter().copied().zip(0..).collect();
         let padded = part.elements.len().next_multiple_of(width);
-        let mut engine = Vec::with_capacity(padded);
         let mut places = Vec::with_capacity(padded);
         for &element in part.elements {
             let tag = part.mesh.element_tags()[element as usize];
@@ -180,24 +207,22 @@ where
                 });
             }
             let nodes = part.mesh.nodes_of(element);
-            let (mut numbers, mut at) = ([0; N], [0; N]);
+            let mut at = [0; N];
             for a in 0..N {
-                numbers[a] = part.numbering.engine_of[nodes[a] as usize];
+                let number = part.numbering.engine_of[nodes[a] as usize];
                 at[a] = *place_of
-                    .get(&numbers[a])
+                    .get(&number)
                     .ok_or_else(|| BlockError::MissingNode {
                         element: tag,
                         node: part.mesh.node_tags()[nodes[a] as usize],
                     })?;
             }
-            engine.push(numbers);
             places.push(at);
         }
-        if let (Some(&numbers), Some(&at)) = (engine.last(), places.last()) {
-            engine.resize(padded, numbers);
-            places.resize(padded, at);
+        if let Some(&last) = places.last() {
+            places.resize(padded, last);
         }
-        Ok((engine, places))
+        Ok(places)
     }
 
     /// The element's volume, if every point has one.

@@ -5,7 +5,7 @@ use powerhouse_model::{
 };
 
 use super::Block;
-use crate::lanes::BatchScalar;
+use super::transfer::NodeScalar;
 
 /// `d stress / d strain` at a point, rows of stress (Pa).
 pub(super) type Stiffness = [[f64; 6]; 6];
@@ -64,7 +64,7 @@ impl<K, M, S, const N: usize, const P: usize> Block<K, M, S, N, P>
 where
     K: ElementKernel<N, P>,
     M: ConstitutiveLaw,
-    S: BatchScalar,
+    S: NodeScalar,
 {
     /// Geometry numbers of one element.
     fn geometry_of(&self, element: usize, out: &mut [f64]) {
@@ -78,21 +78,12 @@ where
     /// The stiffness at each point of an element under an operator.
     fn stiffness(&self, operator: Operator, element: usize, geometry: &[f64]) -> [Stiffness; P] {
         let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
-        if operator == Operator::Elastic || self.law.is_linear() {
+        if operator == Operator::Elastic || M::LINEAR {
             return [elastic; P];
         }
         let place = |index, count| self.arrangement.place(element, index, count);
-        let mut nodal = [[0.0; 3]; N];
-        if !self.present.is_empty() {
-            for a in 0..N {
-                let at = self.places[element][a] as usize;
-                let mut value = self.present[at].to_vector();
-                if let Some(reference) = &self.reference {
-                    value -= reference[at].to_vector();
-                }
-                nodal[a] = value.into();
-            }
-        }
+        let nodal =
+            self.places[element].map(|place| self.locals.displacement(place as usize).into());
         let geometry = Geometry::<f64>::new((), geometry);
         let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
         let initial = self.initial.as_slice();

@@ -1,12 +1,13 @@
 //! Blocks: many elements of one kernel and one law, computed in lanes.
 
-mod accounts;
+mod account;
 mod error;
 mod factory;
 mod frequency;
 mod linearised;
 mod numbers;
 mod operations;
+mod survey;
 #[cfg(test)]
 mod tests;
 mod transfer;
@@ -19,13 +20,15 @@ use powerhouse_model::{
 };
 
 use crate::Rayleigh;
-use crate::lanes::{Arrangement, BatchScalar, Lanes, dispatch};
-use accounts::{Account, HeldEnergy, MeanStress, StepWork};
+use crate::lanes::{Arrangement, BatchScalar, Lanes};
+use account::Account;
 use numbers::AlignedNumbers;
-use operations::{Displacement, Elastic, LawState, Material, Moduli, Visit, Visitor};
-use transfer::Batches;
+use operations::{Elastic, LawState, Material, Moduli, Rates};
+use survey::Summary;
+use transfer::{Batches, Locals, NodeScalar, collect};
 
 pub use error::BlockError;
+pub(crate) use factory::Isotropic;
 pub use factory::solid;
 
 /// The history variables of all points, before and after the step.
@@ -58,8 +61,6 @@ struct Block<K, M, S, const N: usize, const P: usize> {
     elements: Vec<u32>,
     /// Engine numbers of the nodes, by place.
     nodes: Vec<u32>,
-    /// Engine numbers of the nodes of each element, whole batches.
-    engine: Vec<[u32; N]>,
     /// Places of the nodes of each element, whole batches.
     places: Vec<[u32; N]>,
     geometry: AlignedNumbers<S>,
@@ -75,8 +76,8 @@ struct Block<K, M, S, const N: usize, const P: usize> {
     /// Initial stresses (Pa), empty if there are none.
     initial: AlignedNumbers<S>,
     history: History<S>,
-    /// Displacement at the last forces (m), by place, for laws that are not linear.
-    present: Vec<Quad<f64>>,
+    /// What the last forces were computed from.
+    locals: Locals,
     account: Account<S>,
 }
 
@@ -84,16 +85,16 @@ impl<K, M, S, const N: usize, const P: usize> Block<K, M, S, N, P>
 where
     K: ElementKernel<N, P>,
     M: ConstitutiveLaw,
-    S: BatchScalar,
+    S: NodeScalar,
 {
     fn batches(&self) -> Batches<'_, S, N> {
         Batches {
             elements: self.elements.len(),
-            engine: &self.engine,
             places: &self.places,
             active: self.active.as_deref(),
             geometry: self.geometry.as_slice(),
             geometry_len: self.kernel.geometry_len(),
+            arrangement: self.arrangement,
         }
     }
 
@@ -103,14 +104,6 @@ where
             size: self.sizes.as_slice(),
             variables: self.history.variables,
             history: self.history.old.as_slice(),
-            arrangement: self.arrangement,
-        }
-    }
-
-    fn from_reference<'a, A: BatchScalar>(&'a self, nodes: &'a [Quad<A>]) -> Displacement<'a, A> {
-        Displacement {
-            nodes,
-            reference: self.reference.as_deref(),
         }
     }
 
@@ -118,135 +111,168 @@ where
         self.damping.stiffness + context.damping_shift
     }
 
-    /// Forces of one storage; yields whether all is finite.
-    fn write_forces<A: BatchScalar>(
+    fn is_active(&self, element: usize) -> bool {
+        self.active.as_ref().is_none_or(|active| active[element])
+    }
+
+    /// Writes forces; yields whether all is finite.
+    ///
+    /// The damping of a linear law is the elastic force of the velocity, so that it is added to
+    /// the displacement of the nodes.
+    fn write_forces<A: NodeScalar>(
         &mut self,
         displacement: &[Quad<A>],
         velocity: &[Quad<A>],
-        coefficient: f64,
+        damping: f64,
+        step: f64,
         out: &mut [Quad<A>],
     ) -> bool {
-        out.fill(Quad::default());
-        let damping = (coefficient != 0.0).then_some((velocity, coefficient));
-        if self.law.is_linear() {
-            let operation = Elastic::<K, A, S, N, P> {
-                kernel: &self.kernel,
-                batches: self.batches(),
-                moduli: self.moduli,
-                displacement: self.from_reference(displacement),
-                damping,
-                out,
+        if const { size_of::<A>() < size_of::<S>() } {
+            // Nodes in fewer digits than elements: rare, and not worth code of its own.
+            let double = |values: &[Quad<A>]| -> Vec<Quad<f64>> {
+                values
+                    .iter()
+                    .map(|value| Quad::from_vector(&value.to_vector()))
+                    .collect()
             };
-            return dispatch(self.lanes, operation);
+            let mut sums = double(out);
+            let (displacement, velocity) = (double(displacement), double(velocity));
+            let finite =
+                self.write_forces::<f64>(&displacement, &velocity, damping, step, &mut sums);
+            for (out, sum) in out.iter_mut().zip(sums) {
+                *out = Quad::from_vector(&sum.to_vector());
+            }
+            return finite;
         }
-        self.present.clear();
-        let present = self.nodes.iter().map(|&n| displacement[n as usize]);
-        self.present
-            .extend(present.map(|value| Quad::from_vector(&value.to_vector())));
-        let mut new_history = core::mem::replace(&mut self.history.new, AlignedNumbers::zeros(0));
+        out.fill(Quad::default());
+        let mut locals = core::mem::take(&mut self.locals);
+        let local = A::local(&mut locals);
+        let damped = damping != 0.0;
+        let reference = self.reference.as_deref();
+        collect(&mut local.displacement, &self.nodes, |place, node| {
+            let mut value = displacement[node];
+            if M::LINEAR && damped {
+                value = sum(value, velocity[node], damping);
+            }
+            match reference {
+                Some(reference) => difference(value, reference[place]),
+                None => value,
+            }
+        });
+        let finite = if M::LINEAR {
+            self.elastic(&local.displacement, Some(out), None)
+        } else {
+            if damped {
+                collect(&mut local.velocity, &self.nodes, |_, node| velocity[node]);
+            }
+            let rates = damped.then_some(Rates {
+                velocity: &local.velocity,
+                damping,
+                step,
+                stored: None,
+            });
+            let mut new = core::mem::replace(&mut self.history.new, AlignedNumbers::zeros(0));
+            let finite = self.material(
+                &local.displacement,
+                rates,
+                Some(new.as_mut_slice()),
+                Some(out),
+                None,
+            );
+            self.history.new = new;
+            finite
+        };
+        self.locals = locals;
+        finite
+    }
+
+    /// The elastic operator on nodes by place.
+    fn elastic<A: BatchScalar>(
+        &self,
+        nodes: &[Quad<A>],
+        out: Option<&mut [Quad<A>]>,
+        survey: Option<&mut [Summary]>,
+    ) -> bool {
+        let operation = Elastic::<K, A, S, N, P> {
+            kernel: &self.kernel,
+            batches: self.batches(),
+            moduli: self.moduli,
+            nodes,
+            out,
+            survey,
+        };
+        self.lanes.dispatch(operation)
+    }
+
+    /// The law on nodes by place.
+    fn material<A: BatchScalar>(
+        &self,
+        nodes: &[Quad<A>],
+        rates: Option<Rates<A, S>>,
+        new_history: Option<&mut [S]>,
+        out: Option<&mut [Quad<A>]>,
+        survey: Option<&mut [Summary]>,
+    ) -> bool {
         let operation = Material::<K, M, A, S, N, P> {
             kernel: &self.kernel,
             law: &self.law,
             batches: self.batches(),
             moduli: self.moduli,
             state: self.law_state(),
-            displacement: self.from_reference(displacement),
-            damping,
-            new_history: new_history.as_mut_slice(),
+            nodes,
+            rates,
+            new_history,
             out,
+            survey,
         };
-        let finite = dispatch(self.lanes, operation);
-        self.history.new = new_history;
-        finite
+        self.lanes.dispatch(operation)
     }
 
-    /// Shows the fields at a displacement to a visitor.
-    fn visit<A: BatchScalar, V: Visitor<S, N, P>>(
-        &self,
-        displacement: &[Quad<A>],
-        visitor: &mut V,
-    ) {
-        let operation = Visit::<K, M, A, S, V, N, P> {
-            kernel: &self.kernel,
-            law: &self.law,
-            batches: self.batches(),
-            moduli: self.moduli,
-            state: self.law_state(),
-            displacement: self.from_reference(displacement),
-            visitor,
-        };
-        dispatch(self.lanes, operation);
+    /// A displacement by place, since the reference.
+    fn since_reference(&self, displacement: NodalView) -> Vec<Quad<f64>> {
+        let mut local = by_place(&self.nodes, displacement);
+        if let Some(reference) = &self.reference {
+            for (value, &from) in local.iter_mut().zip(reference) {
+                *value = difference(*value, from);
+            }
+        }
+        local
     }
 
-    /// Books the work of the step that ends at the context.
-    fn account_for<A: BatchScalar>(
-        &mut self,
-        context: &BlockContext,
-        displacement: &[Quad<A>],
-        velocity: &[Quad<A>],
-    ) {
-        let linear = self.law.is_linear();
-        let damping = self.coefficient(context);
-        if linear && damping == 0.0 {
-            return;
+    /// What is known of each element at a displacement since the reference (by place), under the
+    /// committed history.
+    fn survey(&self, nodes: &[Quad<f64>], rates: Option<Rates<f64, S>>) -> Vec<Summary> {
+        if M::LINEAR {
+            return self.elastic_survey(nodes);
         }
-        let mut account = core::mem::take(&mut self.account);
-        let follows = context.number > 0 && account.number == Some(context.number - 1);
-        if account.velocity.is_empty() {
-            account.velocity = vec![Quad::default(); self.nodes.len()];
-            let numbers = if linear { 0 } else { self.engine.len() * P * 6 };
-            account.stress = AlignedNumbers::zeros(numbers);
-        }
-        let mut step_work = StepWork {
-            kernel: &self.kernel,
-            moduli: self.moduli,
-            linear,
-            arrangement: self.arrangement,
-            step: context.step,
-            damping,
-            velocity,
-            velocity_before: &account.velocity,
-            stress: account.stress.as_mut_slice(),
-            work: 0.0,
-            dissipated: 0.0,
-            elastic: 0.0,
-        };
-        self.visit(displacement, &mut step_work);
-        let (work, dissipated, elastic) = (step_work.work, step_work.dissipated, step_work.elastic);
-        if follows {
-            account.work += work;
-            account.damping += dissipated;
-        } else {
-            // The account rests between here and where it was: what is held now is its new start.
-            account.elastic_at_start = elastic - account.work + account.plastic;
-        }
-        account.plastic = account.work - (elastic - account.elastic_at_start);
-        account.number = Some(context.number);
-        for (value, &node) in account.velocity.iter_mut().zip(&self.nodes) {
-            *value = Quad::from_vector(&velocity[node as usize].to_vector());
-        }
-        self.account = account;
+        let mut survey = vec![Summary::default(); self.elements.len()];
+        self.material(nodes, rates, None, None, Some(&mut survey));
+        survey
+    }
+
+    /// The same under the initial stiffness.
+    fn elastic_survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
+        let mut survey = vec![Summary::default(); self.elements.len()];
+        self.elastic(nodes, None, Some(&mut survey));
+        survey
     }
 
     /// The first element whose nodes or stresses are not numbers.
-    fn fault<A: BatchScalar>(
-        &self,
-        displacement: &[Quad<A>],
-        velocity: &[Quad<A>],
-    ) -> Option<ElementFault> {
-        let mut stresses = vec![Stress::default(); self.elements.len()];
-        self.mean_stresses(displacement, &mut stresses);
-        let finite = |values: &[Quad<A>], node: u32| {
-            let vector = values[node as usize].to_vector();
+    fn fault(&self, context: &BlockContext) -> Option<ElementFault> {
+        let displacement = self.since_reference(context.displacement);
+        let velocity = by_place(&self.nodes, context.velocity);
+        let survey = self.survey(&displacement, None);
+        let finite = |values: &[Quad<f64>], place: u32| {
+            let vector = values[place as usize].to_vector();
             vector.iter().all(|component| component.is_finite())
         };
         let reason = |element: usize| {
-            let nodes = &self.engine[element];
-            if !nodes.iter().all(|&node| finite(displacement, node)) {
+            let places = &self.places[element];
+            if !places.iter().all(|&place| finite(&displacement, place)) {
                 Some("a node's displacement is not finite")
-            } else if !nodes.iter().all(|&node| finite(velocity, node)) {
+            } else if !places.iter().all(|&place| finite(&velocity, place)) {
                 Some("a node's velocity is not finite")
-            } else if !stresses[element].0.iter().all(|s| s.is_finite()) {
+            } else if !survey[element].stress.0.iter().all(|s| s.is_finite()) {
                 Some("its stress is not finite")
             } else {
                 None
@@ -262,76 +288,71 @@ where
             })
     }
 
-    fn is_active(&self, element: usize) -> bool {
-        self.active.as_ref().is_none_or(|active| active[element])
-    }
-
-    fn mean_stresses<A: BatchScalar>(&self, displacement: &[Quad<A>], out: &mut [Stress]) {
-        let mut visitor = MeanStress {
-            kernel: &self.kernel,
-            arrangement: self.arrangement,
-            out,
-        };
-        self.visit(displacement, &mut visitor);
-    }
-
-    fn held_energy<A: BatchScalar>(&self, displacement: &[Quad<A>]) -> (f64, f64) {
-        let mut visitor = HeldEnergy {
-            kernel: &self.kernel,
-            moduli: self.moduli,
-            linear: self.law.is_linear(),
-            arrangement: self.arrangement,
-            elastic: 0.0,
-            hourglass: 0.0,
-        };
-        self.visit(displacement, &mut visitor);
-        (visitor.elastic, visitor.hourglass)
-    }
-
-    fn forces_of<A: BatchScalar>(
+    fn forces_of<A: NodeScalar>(
         &mut self,
         context: &BlockContext,
         displacement: &[Quad<A>],
         velocity: &[Quad<A>],
         out: &mut [Quad<A>],
     ) -> Result<(), ElementFault> {
-        let coefficient = self.coefficient(context);
-        if !self.write_forces(displacement, velocity, coefficient, out)
-            && let Some(fault) = self.fault(displacement, velocity)
-        {
+        let damping = self.coefficient(context);
+        let finite = self.write_forces(displacement, velocity, damping, context.step, out);
+        if !finite && let Some(fault) = self.fault(context) {
             return Err(fault);
         }
         if context.ledger {
-            self.account_for(context, displacement, velocity);
+            let displacement = self.since_reference(context.displacement);
+            let velocity = by_place(&self.nodes, context.velocity);
+            self.book_step(context, &displacement, velocity);
         }
         Ok(())
     }
 
-    fn apply_to<A: BatchScalar>(&self, operator: Operator, x: &[Quad<A>], out: &mut [Quad<A>]) {
+    fn apply_to<A: NodeScalar>(&self, operator: Operator, x: &[Quad<A>], out: &mut [Quad<A>]) {
         out.fill(Quad::default());
-        if operator == Operator::Elastic || self.law.is_linear() {
-            let operation = Elastic::<K, A, S, N, P> {
-                kernel: &self.kernel,
-                batches: self.batches(),
-                moduli: self.moduli,
-                displacement: Displacement {
-                    nodes: x,
-                    reference: None,
-                },
-                damping: None,
-                out,
-            };
-            dispatch(self.lanes, operation);
+        if operator == Operator::Elastic || M::LINEAR {
+            if const { size_of::<A>() < size_of::<S>() } {
+                let mut local = Vec::new();
+                collect(&mut local, &self.nodes, |_, node| {
+                    Quad::from_vector(&x[node].to_vector())
+                });
+                let mut sums = vec![Quad::<f64>::default(); out.len()];
+                self.elastic(&local, Some(&mut sums), None);
+                for (out, sum) in out.iter_mut().zip(sums) {
+                    *out = Quad::from_vector(&sum.to_vector());
+                }
+            } else {
+                let mut local = Vec::new();
+                collect(&mut local, &self.nodes, |_, node| x[node]);
+                self.elastic(&local, Some(out), None);
+            }
             return;
         }
         self.each_element(operator, |element, forces| {
-            let nodal = self.engine[element].map(|n| x[n as usize].to_vector().into());
-            for (&place, force) in self.places[element].iter().zip(forces(&nodal)) {
+            let places = &self.places[element];
+            let value = |place: u32| x[self.nodes[place as usize] as usize].to_vector().into();
+            for (&place, force) in places.iter().zip(forces(&places.map(value))) {
                 let sum = &mut out[place as usize];
                 *sum = Quad::from_vector(&(sum.to_vector() + Vec3::from(force)));
             }
         });
     }
+}
+
+/// `a + factor b`.
+fn sum<A: NodeScalar>(a: Quad<A>, b: Quad<A>, factor: f64) -> Quad<A> {
+    Quad::from_vector(&(a.to_vector() + b.to_vector() * factor))
+}
+
+/// `a - b`.
+fn difference<A: NodeScalar>(a: Quad<A>, b: Quad<f64>) -> Quad<A> {
+    Quad::from_vector(&(a.to_vector() - b.to_vector()))
+}
+
+/// Nodal values by place.
+fn by_place(nodes: &[u32], view: NodalView) -> Vec<Quad<f64>> {
+    let values = nodes.iter().map(|&node| view.vector(node as usize));
+    values.map(|value| Quad::from_vector(&value)).collect()
 }
 
 /// Views of one call that differ in storage are a fault of the engine's author.
@@ -341,7 +362,7 @@ impl<K, M, S, const N: usize, const P: usize> ElementBlock for Block<K, M, S, N,
 where
     K: ElementKernel<N, P>,
     M: ConstitutiveLaw,
-    S: BatchScalar,
+    S: NodeScalar,
 {
     fn label(&self) -> &str {
         &self.label
@@ -404,46 +425,45 @@ where
     fn set_active(&mut self, active: &[bool]) {
         let some_are_off = active.iter().any(|active| !active);
         self.active = some_are_off.then(|| active.to_vec());
-        self.account.number = None;
+        self.account.rest();
     }
     fn set_reference_displacement(&mut self, displacement: NodalView) {
         let values = self.nodes.iter().map(|&n| displacement.vector(n as usize));
         self.reference = Some(values.map(|value| Quad::from_vector(&value)).collect());
-        self.account.number = None;
+        self.account.rest();
     }
     fn set_initial_stress(&mut self, stress: &[Stress]) {
-        if self.law.is_linear() {
+        if M::LINEAR {
             // The change of stress of a linear law does not depend on where it starts.
             return;
         }
-        self.initial = AlignedNumbers::zeros(6 * self.engine.len());
-        for element in 0..self.engine.len() {
+        self.initial = AlignedNumbers::zeros(6 * self.places.len());
+        for element in 0..self.places.len() {
             let stress = &stress[element.min(stress.len() - 1)];
             for i in 0..6 {
                 let place = self.arrangement.place(element, i, 6);
                 self.initial.as_mut_slice()[place] = S::from_f64(stress.0[i]);
             }
         }
-        self.account.number = None;
+        self.account.rest();
     }
     fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
-        match displacement {
-            NodalView::F64(u) => self.mean_stresses(u, out),
-            NodalView::F32(u) => self.mean_stresses(u, out),
+        let survey = self.survey(&self.since_reference(displacement), None);
+        for (out, summary) in out.iter_mut().zip(&survey) {
+            *out = *out + summary.stress;
         }
     }
     fn energy(&self, context: &BlockContext) -> BlockEnergy {
-        let (elastic, hourglass) = match context.displacement {
-            NodalView::F64(u) => self.held_energy(u),
-            NodalView::F32(u) => self.held_energy(u),
-        };
-        BlockEnergy {
-            elastic,
-            hourglass,
+        let mut energy = BlockEnergy {
             plastic: self.account.plastic,
             damping: self.account.damping,
             ..BlockEnergy::default()
+        };
+        for summary in self.survey(&self.since_reference(context.displacement), None) {
+            energy.elastic += summary.elastic;
+            energy.hourglass += summary.hourglass;
         }
+        energy
     }
     fn history(&self) -> Vec<HistoryField> {
         let variables = self.history.variables;
@@ -485,6 +505,6 @@ where
                 }
             }
         }
-        self.account.number = None;
+        self.account.rest();
     }
 }

@@ -2,8 +2,11 @@
 
 use powerhouse_model::{ConstitutiveLaw, ElementKernel, Geometry, LawInput, Quad, Strain, Stress};
 
-use super::transfer::{Batch, Batches, gather, gather_from, scatter};
-use crate::lanes::{Arrangement, BatchLane, BatchOperation, BatchScalar, MOST_LANES};
+use super::survey::{
+    Summary, complementary_energy, each_lane, linear_energy, step_work, write_mean,
+};
+use super::transfer::{Batch, Batches, gather, scatter};
+use crate::lanes::{BatchLane, BatchOperation, BatchScalar, MOST_LANES};
 
 /// Elastic constants of the undamaged material (Pa).
 #[derive(Clone, Copy, Debug)]
@@ -17,37 +20,6 @@ impl Moduli {
     pub(super) fn constrained(self) -> f64 {
         self.lambda + 2.0 * self.shear
     }
-    /// Both times a factor.
-    pub(super) fn scaled(self, factor: f64) -> Self {
-        Self {
-            lambda: self.lambda * factor,
-            shear: self.shear * factor,
-        }
-    }
-}
-
-/// Nodal displacement, and where strain is measured from.
-#[derive(Clone, Copy)]
-pub(super) struct Displacement<'a, A: BatchScalar> {
-    /// By engine number.
-    pub(super) nodes: &'a [Quad<A>],
-    /// By place in the block.
-    pub(super) reference: Option<&'a [Quad<f64>]>,
-}
-
-/// `modes + factor rates`.
-#[inline(always)]
-fn combined<L: BatchLane, const N: usize>(
-    mut modes: [[L; 3]; N],
-    factor: L,
-    rates: &[[L; 3]; N],
-) -> [[L; 3]; N] {
-    for a in 0..N {
-        for i in 0..3 {
-            modes[a][i] = rates[a][i].mul_add(factor, modes[a][i]);
-        }
-    }
-    modes
 }
 
 /// Zero as long as every stress seen is a number, NaN afterwards.
@@ -62,18 +34,22 @@ impl<L: BatchLane> Watch<L> {
     }
     #[inline(always)]
     fn all_finite(self) -> bool {
-        (0..L::WIDTH).all(|lane| self.0.extract(lane) == 0.0)
+        let mut lanes = [L::Scalar::default(); MOST_LANES];
+        self.0.store(&mut lanes);
+        lanes.iter().all(|&lane| lane == L::Scalar::default())
     }
 }
 
-/// The elastic operator times `displacement + factor velocity`; yields whether all is finite.
+/// Elastic forces of the displacement `nodes` (by place); yields whether all is finite.
 pub(super) struct Elastic<'a, K, A: BatchScalar, S, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
-    pub(super) displacement: Displacement<'a, A>,
-    pub(super) damping: Option<(&'a [Quad<A>], f64)>,
-    pub(super) out: &'a mut [Quad<A>],
+    pub(super) nodes: &'a [Quad<A>],
+    /// By place, if wanted.
+    pub(super) out: Option<&'a mut [Quad<A>]>,
+    /// One per element, if wanted.
+    pub(super) survey: Option<&'a mut [Summary]>,
 }
 
 impl<K, A, S, const N: usize, const P: usize> BatchOperation<S> for Elastic<'_, K, A, S, N, P>
@@ -84,7 +60,7 @@ where
 {
     type Output = bool;
     #[inline(always)]
-    fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> bool {
+    fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let lambda = L::splat(token, self.moduli.lambda);
         let shear = L::splat(token, self.moduli.shear);
         let modulus = L::splat(token, self.moduli.constrained());
@@ -93,14 +69,8 @@ where
         for index in 0..self.batches.count(L::WIDTH) {
             let batch = self.batches.batch(index, L::WIDTH);
             let geometry = Geometry::<L>::new(token, batch.geometry);
-            let Displacement { nodes, reference } = self.displacement;
-            let nodal = gather_from::<A, L, N>(token, nodes, reference, &batch);
-            let mut modes = self.kernel.modes(&nodal);
-            if let Some((velocity, factor)) = self.damping {
-                let rates = gather::<A, L, N>(token, velocity, batch.engine);
-                let rates = self.kernel.modes(&rates);
-                modes = combined(modes, L::splat(token, factor), &rates);
-            }
+            let nodal = gather::<A, L, N>(token, self.nodes, batch.places);
+            let modes = self.kernel.modes(&nodal);
             let strains = self.kernel.strains(geometry, &modes);
             let mut stresses = [Stress::zero(token); P];
             for p in 0..P {
@@ -109,7 +79,18 @@ where
             }
             let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
             let forces = self.kernel.nodal_forces(&forces);
-            scatter::<A, L, N>(&forces, &batch, &mut rows, self.out);
+            if let Some(out) = self.out.as_deref_mut() {
+                scatter::<A, L, N>(&forces, &batch, &mut rows, out);
+            }
+            if let Some(survey) = self.survey.as_deref_mut() {
+                let volumes = self.kernel.volumes(geometry);
+                write_mean(&volumes, &stresses, &batch, survey);
+                let energy = linear_energy(&volumes, &stresses, &strains);
+                each_lane(energy, &batch, |e, energy| survey[e].elastic = energy);
+                if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, &modes) {
+                    each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
+                }
+            }
         }
         watch.all_finite()
     }
@@ -126,49 +107,18 @@ pub(super) struct LawState<'a, S> {
     pub(super) variables: usize,
     /// The committed history: variables of the points of a batch.
     pub(super) history: &'a [S],
-    /// Where elements sit.
-    pub(super) arrangement: Arrangement,
 }
 
-impl<S: BatchScalar> LawState<'_, S> {
-    /// Stresses at the points of a batch; new histories go to `store(place, value)`.
-    #[inline(always)]
-    fn stresses<M, L, const P: usize>(
-        &self,
-        law: &M,
-        token: L::Token,
-        index: usize,
-        strains: &[Strain<L>; P],
-        (old, new): (&mut [L], &mut [L]),
-        mut store: impl FnMut(usize, L),
-    ) -> [Stress<L>; P]
-    where
-        M: ConstitutiveLaw,
-        L: BatchLane<Scalar = S>,
-    {
-        let mut initial = Stress::zero(token);
-        if !self.initial.is_empty() {
-            for i in 0..6 {
-                initial.0[i] = L::load(token, &self.initial[(6 * index + i) * L::WIDTH..]);
-            }
-        }
-        let size = L::load(token, &self.size[index * L::WIDTH..]);
-        let mut stresses = [initial; P];
-        for p in 0..P {
-            let place = (index * P + p) * self.variables;
-            for h in 0..self.variables {
-                old[h] = L::load(token, &self.history[(place + h) * L::WIDTH..]);
-            }
-            let input = LawInput::new(strains[p], old)
-                .with_initial(initial)
-                .with_size(size);
-            stresses[p] = law.stress_change(&input, new);
-            for h in 0..self.variables {
-                store((place + h) * L::WIDTH, new[h]);
-            }
-        }
-        stresses
-    }
+/// Velocities, for damping and for the work of a step.
+pub(super) struct Rates<'a, A: BatchScalar, S> {
+    /// By place (m/s).
+    pub(super) velocity: &'a [Quad<A>],
+    /// Stiffness damping coefficient (s).
+    pub(super) damping: f64,
+    /// Length of the step (s).
+    pub(super) step: f64,
+    /// Stresses of the step before, six numbers per point, if work is accounted for.
+    pub(super) stored: Option<&'a mut [S]>,
 }
 
 /// Forces of a law that is not linear; yields whether all is finite.
@@ -178,10 +128,14 @@ pub(super) struct Material<'a, K, M, A: BatchScalar, S, const N: usize, const P:
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
     pub(super) state: LawState<'a, S>,
-    pub(super) displacement: Displacement<'a, A>,
-    pub(super) damping: Option<(&'a [Quad<A>], f64)>,
-    pub(super) new_history: &'a mut [S],
-    pub(super) out: &'a mut [Quad<A>],
+    pub(super) nodes: &'a [Quad<A>],
+    pub(super) rates: Option<Rates<'a, A, S>>,
+    /// Where the new history goes, if it is wanted.
+    pub(super) new_history: Option<&'a mut [S]>,
+    /// By place, if wanted.
+    pub(super) out: Option<&'a mut [Quad<A>]>,
+    /// One per element, if wanted.
+    pub(super) survey: Option<&'a mut [Summary]>,
 }
 
 impl<K, M, A, S, const N: usize, const P: usize> BatchOperation<S>
@@ -194,7 +148,7 @@ where
 {
     type Output = bool;
     #[inline(always)]
-    fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> bool {
+    fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let modulus = L::splat(token, self.moduli.constrained());
         let mut rows = [[[S::default(); 4]; MOST_LANES]; N];
         let mut watch = Watch(L::splat(token, 0.0));
@@ -203,42 +157,107 @@ where
         for index in 0..self.batches.count(L::WIDTH) {
             let batch = self.batches.batch(index, L::WIDTH);
             let geometry = Geometry::<L>::new(token, batch.geometry);
-            let Displacement { nodes, reference } = self.displacement;
-            let nodal = gather_from::<A, L, N>(token, nodes, reference, &batch);
+            let nodal = gather::<A, L, N>(token, self.nodes, batch.places);
             let mut modes = self.kernel.modes(&nodal);
             let strains = self.kernel.strains(geometry, &modes);
-            let new_history = &mut *self.new_history;
-            let mut stresses = self.state.stresses::<M, L, P>(
-                self.law,
-                token,
-                index,
-                &strains,
-                (&mut old, &mut new),
-                |place, value| value.store(&mut new_history[place..]),
-            );
-            if let Some((velocity, factor)) = self.damping {
-                let rates = gather::<A, L, N>(token, velocity, batch.engine);
-                let rates = self.kernel.modes(&rates);
-                let viscous = self.moduli.scaled(factor);
-                let lambda = L::splat(token, viscous.lambda);
-                let shear = L::splat(token, viscous.shear);
-                let strain_rates = self.kernel.strains(geometry, &rates);
+            let mut stresses = self.ask::<L>(token, index, &strains, (&mut old, &mut new));
+            if let (Some(new), true) = (self.new_history.as_deref_mut(), batch.active.is_some()) {
+                keep_history::<L, S, N>(&self.state, &batch, index, P, new);
+            }
+            if let Some(survey) = self.survey.as_deref_mut() {
+                let volumes = self.kernel.volumes(geometry);
+                write_mean(&volumes, &stresses, &batch, survey);
+                let energy = complementary_energy(self.moduli, &volumes, &stresses);
+                each_lane(energy, &batch, |e, energy| survey[e].elastic = energy);
+                if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, &modes) {
+                    each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
+                }
+            }
+            if let Some(rates) = &mut self.rates {
+                let nodal = gather::<A, L, N>(token, rates.velocity, batch.places);
+                let modal_rates = self.kernel.modes(&nodal);
+                let strain_rates = self.kernel.strains(geometry, &modal_rates);
+                if let (Some(survey), Some(stored)) =
+                    (self.survey.as_deref_mut(), rates.stored.as_deref_mut())
+                {
+                    let volumes = self.kernel.volumes(geometry);
+                    let numbers = 6 * P * L::WIDTH;
+                    let stored = &mut stored[index * numbers..(index + 1) * numbers];
+                    let work = step_work(
+                        &geometry,
+                        rates.step,
+                        &volumes,
+                        &stresses,
+                        &strain_rates,
+                        stored,
+                    );
+                    each_lane(work, &batch, |e, work| survey[e].work = work);
+                }
+                let lambda = L::splat(token, rates.damping * self.moduli.lambda);
+                let shear = L::splat(token, rates.damping * self.moduli.shear);
                 for p in 0..P {
                     stresses[p] = stresses[p] + Stress::elastic(lambda, shear, &strain_rates[p]);
                 }
-                modes = combined(modes, L::splat(token, factor), &rates);
+                let damping = L::splat(token, rates.damping);
+                for a in 0..N {
+                    for i in 0..3 {
+                        modes[a][i] = modal_rates[a][i].mul_add(damping, modes[a][i]);
+                    }
+                }
             }
             for p in 0..P {
                 watch.see(&stresses[p]);
             }
-            if batch.active.is_some() {
-                keep_history::<L, S, N>(&self.state, &batch, index, P, self.new_history);
-            }
             let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
             let forces = self.kernel.nodal_forces(&forces);
-            scatter::<A, L, N>(&forces, &batch, &mut rows, self.out);
+            if let Some(out) = self.out.as_deref_mut() {
+                scatter::<A, L, N>(&forces, &batch, &mut rows, out);
+            }
         }
         watch.all_finite()
+    }
+}
+
+impl<K, M, A, S, const N: usize, const P: usize> Material<'_, K, M, A, S, N, P>
+where
+    M: ConstitutiveLaw,
+    A: BatchScalar,
+    S: BatchScalar,
+{
+    /// Stresses at the points of a batch; writes the new histories.
+    #[inline(always)]
+    fn ask<L: BatchLane<Scalar = S>>(
+        &mut self,
+        token: L::Token,
+        index: usize,
+        strains: &[Strain<L>; P],
+        (old, new): (&mut [L], &mut [L]),
+    ) -> [Stress<L>; P] {
+        let state = &self.state;
+        let mut initial = Stress::zero(token);
+        if !state.initial.is_empty() {
+            for i in 0..6 {
+                initial.0[i] = L::load(token, &state.initial[(6 * index + i) * L::WIDTH..]);
+            }
+        }
+        let size = L::load(token, &state.size[index * L::WIDTH..]);
+        let mut stresses = [initial; P];
+        for p in 0..P {
+            let place = (index * P + p) * state.variables;
+            for h in 0..state.variables {
+                old[h] = L::load(token, &state.history[(place + h) * L::WIDTH..]);
+            }
+            let input = LawInput::new(strains[p], old)
+                .with_initial(initial)
+                .with_size(size);
+            stresses[p] = self.law.stress_change(&input, new);
+            if let Some(new_history) = self.new_history.as_deref_mut() {
+                for h in 0..state.variables {
+                    new[h].store(&mut new_history[(place + h) * L::WIDTH..]);
+                }
+            }
+        }
+        stresses
     }
 }
 
@@ -253,93 +272,12 @@ fn keep_history<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
 ) {
     let numbers = points * state.variables;
     for lane in 0..L::WIDTH {
-        if batch.has(state.arrangement.element_in[lane]) {
+        if batch.has(batch.arrangement.element_in[lane]) {
             continue;
         }
         for number in 0..numbers {
             let place = (index * numbers + number) * L::WIDTH + lane;
             new_history[place] = state.history[place];
-        }
-    }
-}
-
-/// Stresses and strains at the points of one batch, handed to a [`Visitor`].
-pub(super) struct PointFields<L, const N: usize, const P: usize> {
-    /// Strains.
-    pub(super) strains: [Strain<L>; P],
-    /// Changes of stress (Pa).
-    pub(super) stresses: [Stress<L>; P],
-    /// Modal displacements.
-    pub(super) modes: [[L; 3]; N],
-}
-
-/// Work on the fields of every batch.
-pub(super) trait Visitor<S: BatchScalar, const N: usize, const P: usize> {
-    /// Sees one batch.
-    fn visit<L: BatchLane<Scalar = S>>(
-        &mut self,
-        token: L::Token,
-        batch: &Batch<S, N>,
-        fields: &PointFields<L, N, P>,
-    );
-}
-
-/// Shows a visitor the fields of every batch under the committed history.
-pub(super) struct Visit<'a, K, M, A: BatchScalar, S, V, const N: usize, const P: usize> {
-    pub(super) kernel: &'a K,
-    pub(super) law: &'a M,
-    pub(super) batches: Batches<'a, S, N>,
-    pub(super) moduli: Moduli,
-    pub(super) state: LawState<'a, S>,
-    pub(super) displacement: Displacement<'a, A>,
-    pub(super) visitor: &'a mut V,
-}
-
-impl<K, M, A, S, V, const N: usize, const P: usize> BatchOperation<S>
-    for Visit<'_, K, M, A, S, V, N, P>
-where
-    K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
-    A: BatchScalar,
-    S: BatchScalar,
-    V: Visitor<S, N, P>,
-{
-    type Output = ();
-    #[inline(always)]
-    fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) {
-        let lambda = L::splat(token, self.moduli.lambda);
-        let shear = L::splat(token, self.moduli.shear);
-        let linear = self.law.is_linear();
-        let mut old = vec![L::splat(token, 0.0); self.state.variables];
-        let mut new = old.clone();
-        for index in 0..self.batches.count(L::WIDTH) {
-            let batch = self.batches.batch(index, L::WIDTH);
-            let geometry = Geometry::<L>::new(token, batch.geometry);
-            let Displacement { nodes, reference } = self.displacement;
-            let nodal = gather_from::<A, L, N>(token, nodes, reference, &batch);
-            let modes = self.kernel.modes(&nodal);
-            let strains = self.kernel.strains(geometry, &modes);
-            let mut stresses = [Stress::zero(token); P];
-            if linear {
-                for p in 0..P {
-                    stresses[p] = Stress::elastic(lambda, shear, &strains[p]);
-                }
-            } else {
-                stresses = self.state.stresses::<M, L, P>(
-                    self.law,
-                    token,
-                    index,
-                    &strains,
-                    (&mut old, &mut new),
-                    |_, _| (),
-                );
-            }
-            let fields = PointFields {
-                strains,
-                stresses,
-                modes,
-            };
-            self.visitor.visit::<L>(token, &batch, &fields);
         }
     }
 }

@@ -1,16 +1,14 @@
 //! From nodes to lanes and back.
 
-use powerhouse_model::{Quad, Scalar};
+use powerhouse_model::{Quad, Scalar, Vec3};
 
-use crate::lanes::{BatchLane, BatchScalar, MOST_LANES, Rows};
+use crate::lanes::{Arrangement, BatchLane, BatchScalar, MOST_LANES, Rows};
 
 /// The elements of a block, batch by batch.
 #[derive(Clone, Copy)]
 pub(super) struct Batches<'a, S, const N: usize> {
     /// How many elements; the rest of the last batch repeats the last element.
     pub(super) elements: usize,
-    /// Engine numbers of their nodes, whole batches.
-    pub(super) engine: &'a [[u32; N]],
     /// Places of their nodes in the block, whole batches.
     pub(super) places: &'a [[u32; N]],
     /// Which elements take part; all if `None`.
@@ -19,6 +17,8 @@ pub(super) struct Batches<'a, S, const N: usize> {
     pub(super) geometry: &'a [S],
     /// Geometry numbers of one element.
     pub(super) geometry_len: usize,
+    /// Where elements sit.
+    pub(super) arrangement: Arrangement,
 }
 
 /// One batch.
@@ -28,14 +28,14 @@ pub(super) struct Batch<'a, S, const N: usize> {
     pub(super) first: usize,
     /// How many elements it holds.
     pub(super) count: usize,
-    /// Engine numbers of the nodes.
-    pub(super) engine: &'a [[u32; N]],
     /// Places of the nodes.
     pub(super) places: &'a [[u32; N]],
     /// Which elements take part.
     pub(super) active: Option<&'a [bool]>,
     /// Geometry numbers.
     pub(super) geometry: &'a [S],
+    /// Where elements sit.
+    pub(super) arrangement: Arrangement,
 }
 
 impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
@@ -53,10 +53,10 @@ impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
         Batch {
             first,
             count,
-            engine: &self.engine[first..first + width],
             places: &self.places[first..first + width],
             active: self.active.map(|active| &active[first..first + count]),
             geometry: &self.geometry[index * numbers..(index + 1) * numbers],
+            arrangement: self.arrangement,
         }
     }
 }
@@ -130,46 +130,71 @@ pub(super) fn scatter<A, L, const N: usize>(
     }
 }
 
+/// Nodal values of a block by place, so that its elements read a small contiguous piece of memory.
+#[derive(Debug, Default)]
+pub(super) struct Local<A: BatchScalar> {
+    /// Displacement since the reference (m).
+    pub(super) displacement: Vec<Quad<A>>,
+    /// Velocity (m/s).
+    pub(super) velocity: Vec<Quad<A>>,
+}
+
+/// [`Local`] values in either storage.
+#[derive(Debug, Default)]
+pub(super) struct Locals {
+    double: Local<f64>,
+    single: Local<f32>,
+}
+
+/// A storage of nodes.
+pub(super) trait NodeScalar: BatchScalar {
+    /// The local values in this storage.
+    fn local(locals: &mut Locals) -> &mut Local<Self>;
+}
+
+impl NodeScalar for f64 {
+    fn local(locals: &mut Locals) -> &mut Local<f64> {
+        &mut locals.double
+    }
+}
+
+impl NodeScalar for f32 {
+    fn local(locals: &mut Locals) -> &mut Local<f32> {
+        &mut locals.single
+    }
+}
+
+impl Locals {
+    /// The displacement that was last used at a place (m), zero if none was.
+    pub(super) fn displacement(&self, place: usize) -> Vec3 {
+        match (
+            self.double.displacement.get(place),
+            self.single.displacement.get(place),
+        ) {
+            (Some(value), _) => value.to_vector(),
+            (None, Some(value)) => value.to_vector(),
+            (None, None) => Vec3::zeros(),
+        }
+    }
+}
+
+/// Takes over the values of a block's nodes.
+pub(super) fn collect<A: BatchScalar>(
+    local: &mut Vec<Quad<A>>,
+    places: &[u32],
+    value: impl Fn(usize, usize) -> Quad<A>,
+) {
+    local.clear();
+    local.extend(
+        places
+            .iter()
+            .enumerate()
+            .map(|(place, &node)| value(place, node as usize)),
+    );
+}
+
 /// From one scalar to the other, rounded.
 #[inline(always)]
 fn convert<A: Scalar, B: Scalar>(value: A) -> B {
     B::from_f64(value.to_f64())
-}
-
-/// [`gather`], measured from a reference displacement that is stored by place.
-#[inline(always)]
-pub(super) fn gather_from<A, L, const N: usize>(
-    token: L::Token,
-    nodes: &[Quad<A>],
-    reference: Option<&[Quad<f64>]>,
-    batch: &Batch<L::Scalar, N>,
-) -> [[L; 3]; N]
-where
-    A: BatchScalar,
-    L: BatchLane<Scalar: BatchScalar>,
-{
-    let Some(reference) = reference else {
-        return gather(token, nodes, batch.engine);
-    };
-    let relative = |j: usize, a: usize| -> [f64; 3] {
-        let value = nodes[batch.engine[j][a] as usize].values;
-        let from = reference[batch.places[j][a] as usize].values;
-        [
-            value[0].to_f64() - from[0],
-            value[1].to_f64() - from[1],
-            value[2].to_f64() - from[2],
-        ]
-    };
-    let mut values = [[L::splat(token, 0.0); 3]; N];
-    for a in 0..N {
-        let mut rows: Rows<L::Scalar> = [[L::Scalar::default(); 4]; MOST_LANES];
-        for j in 0..L::WIDTH {
-            let (value, first) = (relative(j, a), relative(j, 0));
-            for c in 0..3 {
-                rows[j][c] = convert(value[c] - first[c]);
-            }
-        }
-        values[a] = L::components(token, &rows);
-    }
-    values
 }

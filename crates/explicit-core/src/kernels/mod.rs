@@ -14,8 +14,9 @@ pub use hex8_one_point::Hex8OnePoint;
 pub use tet4::Tet4;
 pub use wedge6::Wedge6;
 
-use powerhouse_model::{ConstitutiveLaw, ElementKernel, ElementKind};
+use powerhouse_model::{ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind};
 
+use crate::block::Isotropic;
 use crate::{BlockFactory, BlockOptions, solid};
 
 /// The kernels of this crate, by name.
@@ -72,6 +73,28 @@ impl SolidKernel {
     }
     /// A factory of blocks of this kernel and a law.
     pub fn factory<M: ConstitutiveLaw>(
+        self,
+        label: &str,
+        law: M,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory> {
+        if const { M::LINEAR } {
+            return self.linear_factory(label, law.medium(), options);
+        }
+        self.factory_of(label, law, options)
+    }
+
+    /// Blocks of linear laws are compiled here, once, and in no crate that uses this one.
+    fn linear_factory(
+        self,
+        label: &str,
+        medium: ElasticMedium,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory> {
+        self.factory_of(label, Isotropic(medium), options)
+    }
+
+    fn factory_of<M: ConstitutiveLaw>(
         self,
         label: &str,
         law: M,

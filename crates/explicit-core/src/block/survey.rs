@@ -1,0 +1,129 @@
+//! Stress and energy of each element, as the forces are computed.
+
+use powerhouse_model::{Geometry, Strain, Stress};
+
+use super::operations::Moduli;
+use super::transfer::Batch;
+use crate::lanes::{BatchLane, BatchScalar, MOST_LANES};
+
+/// What is known of one element.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Summary {
+    /// Mean change of stress over the volume (Pa).
+    pub(super) stress: Stress,
+    /// Energy held by elastic strain (J).
+    pub(super) elastic: f64,
+    /// Energy held by hourglass resistance (J).
+    pub(super) hourglass: f64,
+    /// Work of the stresses in the last step (J).
+    pub(super) work: f64,
+}
+
+/// Calls `put(element, number)` for every element of a batch that takes part.
+#[inline(always)]
+pub(super) fn each_lane<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
+    value: L,
+    batch: &Batch<S, N>,
+    mut put: impl FnMut(usize, f64),
+) {
+    let mut lanes = [S::default(); MOST_LANES];
+    value.store(&mut lanes);
+    for j in 0..L::WIDTH {
+        if batch.has(j) {
+            put(
+                batch.first + j,
+                lanes[batch.arrangement.lane_of[j]].to_f64(),
+            );
+        }
+    }
+}
+
+/// Writes the mean stress of a batch.
+#[inline(always)]
+pub(super) fn write_mean<
+    L: BatchLane<Scalar = S>,
+    S: BatchScalar,
+    const N: usize,
+    const P: usize,
+>(
+    volumes: &[L; P],
+    stresses: &[Stress<L>; P],
+    batch: &Batch<S, N>,
+    out: &mut [Summary],
+) {
+    let mut volume = volumes[0];
+    for p in 1..P {
+        volume = volume + volumes[p];
+    }
+    for i in 0..6 {
+        let mut sum = stresses[0].0[i] * volumes[0];
+        for p in 1..P {
+            sum = stresses[p].0[i].mul_add(volumes[p], sum);
+        }
+        each_lane(sum / volume, batch, |e, mean| out[e].stress.0[i] = mean);
+    }
+}
+
+/// `1/2 sum_p sigma : epsilon V`, for linear laws.
+#[inline(always)]
+pub(super) fn linear_energy<L: BatchLane, const P: usize>(
+    volumes: &[L; P],
+    stresses: &[Stress<L>; P],
+    strains: &[Strain<L>; P],
+) -> L {
+    let half = volumes[0].constant(0.5);
+    let mut energy = stresses[0].work(&strains[0]) * volumes[0];
+    for p in 1..P {
+        energy = stresses[p].work(&strains[p]).mul_add(volumes[p], energy);
+    }
+    half * energy
+}
+
+/// `1/2 sum_p sigma : C^-1 : sigma V`: what unloading would give back.
+#[inline(always)]
+pub(super) fn complementary_energy<L: BatchLane, const P: usize>(
+    moduli: Moduli,
+    volumes: &[L; P],
+    stresses: &[Stress<L>; P],
+) -> L {
+    let bulk = moduli.lambda + 2.0 / 3.0 * moduli.shear;
+    let distortion = volumes[0].constant(1.0 / (4.0 * moduli.shear));
+    let dilatation = volumes[0].constant(1.0 / (18.0 * bulk));
+    let mut energy = volumes[0].constant(0.0);
+    for p in 0..P {
+        let [xx, yy, zz, xy, yz, zx] = stresses[p].0;
+        let trace = xx + yy + zz;
+        let mean = trace * trace.constant(1.0 / 3.0);
+        let (x, y, z) = (xx - mean, yy - mean, zz - mean);
+        let normal = x.mul_add(x, y.mul_add(y, z * z));
+        let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
+        let density = distortion * (normal + (shear + shear)) + dilatation * (trace * trace);
+        energy = density.mul_add(volumes[p], energy);
+    }
+    energy
+}
+
+/// Work of a step, `1/2 sum_p (sigma_0 + sigma_1) : rate dt V`; takes the stresses before it from
+/// `stored` (six numbers per point) and leaves those after it there.
+#[inline(always)]
+pub(super) fn step_work<L: BatchLane<Scalar = S>, S: BatchScalar, const P: usize>(
+    geometry: &Geometry<L>,
+    step: f64,
+    volumes: &[L; P],
+    stresses: &[Stress<L>; P],
+    rates: &[Strain<L>; P],
+    stored: &mut [S],
+) -> L {
+    let mut sum = geometry.constant(0.0);
+    for p in 0..P {
+        let mut both = stresses[p];
+        for i in 0..6 {
+            let place = (6 * p + i) * L::WIDTH;
+            let before = L::load(sum.token(), &stored[place..]);
+            both.0[i].store(&mut stored[place..]);
+            both.0[i] = both.0[i] + before;
+        }
+        sum = both.work(&rates[p]).mul_add(volumes[p], sum);
+    }
+    sum * geometry.constant(0.5 * step)
+}
