@@ -4,15 +4,14 @@ use powerhouse_model::{FieldMotion, FieldSampler, Vec3};
 use std::sync::Arc;
 
 use crate::Signal;
-use crate::partial::PartialWave;
+use crate::partial::{PartialWave, Vectors};
 
 /// Points whose signals are fetched with one virtual call.
 const BATCH: usize = 32;
 
 /// The constants of one wave.
 struct RealWave {
-    polarisation: [f64; 3],
-    stress: [f64; 6],
+    vectors: Vectors,
     /// One per point (s).
     delays: Vec<f64>,
 }
@@ -27,8 +26,10 @@ pub(crate) struct BodySampler {
 impl BodySampler {
     pub(crate) fn new(signal: Arc<dyn Signal>, waves: &[PartialWave], points: &[Vec3]) -> Self {
         let waves = waves.iter().map(|wave| RealWave {
-            polarisation: wave.polarisation.map(|value| value.re),
-            stress: wave.stress.map(|value| value.re),
+            vectors: Vectors {
+                polarisation: wave.polarisation.map(|value| value.re),
+                stress: wave.stress.map(|value| value.re),
+            },
             delays: points.iter().map(|point| wave.delay(point).re).collect(),
         });
         Self {
@@ -45,32 +46,37 @@ impl FieldSampler for BodySampler {
     }
 
     fn add_motion(&self, time: f64, motion: &mut [FieldMotion]) {
+        match self.waves.len() {
+            1 => self.add_waves::<1>(time, motion),
+            2 => self.add_waves::<2>(time, motion),
+            _ => self.add_waves::<3>(time, motion),
+        }
+    }
+}
+
+impl BodySampler {
+    /// Adds the `N` waves of the field: signals of all waves first, then one pass over the motion.
+    #[inline(always)]
+    fn add_waves<const N: usize>(&self, time: f64, motion: &mut [FieldMotion]) {
         let mut times = [0.0; BATCH];
-        let mut displacement = [0.0; BATCH];
-        let mut velocity = [0.0; BATCH];
+        let mut signals = [[[0.0; BATCH]; 2]; N];
+        let vectors: [Vectors; N] = core::array::from_fn(|i| self.waves[i].vectors);
         let motion = &mut motion[..self.points];
         for (batch, motion) in motion.chunks_mut(BATCH).enumerate() {
             let count = motion.len();
-            for wave in &self.waves {
+            for (wave, [displacement, velocity]) in self.waves.iter().zip(&mut signals) {
                 let delays = &wave.delays[batch * BATCH..][..count];
                 for (local, delay) in times.iter_mut().zip(delays) {
                     *local = time - delay;
                 }
-                self.signal.sample(
-                    &times[..count],
-                    &mut displacement[..count],
-                    &mut velocity[..count],
-                );
-                let signals = displacement.iter().zip(&velocity);
-                for (motion, (d, v)) in motion.iter_mut().zip(signals) {
-                    for i in 0..3 {
-                        motion.displacement[i] += wave.polarisation[i] * d;
-                        motion.velocity[i] += wave.polarisation[i] * v;
-                    }
-                    for i in 0..6 {
-                        motion.stress.0[i] += wave.stress[i] * v;
-                    }
+                self.signal.sample(&times[..count], displacement, velocity);
+            }
+            for (k, motion) in motion.iter_mut().enumerate() {
+                let mut sum = *motion;
+                for (vectors, [displacement, velocity]) in vectors.iter().zip(&signals) {
+                    vectors.add((displacement[k], velocity[k]), &mut sum);
                 }
+                *motion = sum;
             }
         }
     }

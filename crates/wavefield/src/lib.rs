@@ -92,7 +92,7 @@ pub use history::{
     BaselineCorrection, BaselineReport, EndDisplacement, RecordReport, RecordSignal, TimeHistory,
 };
 pub use pulse::{HarmonicBurst, Ricker, RickerQuantity, SmoothPulse, ZeroMeanPulse};
-pub use quiet::{QuietStart, StartLevel};
+pub use quiet::{QuietStart, QuietStartLimits, StartLevel};
 pub use reflection::{SurfaceReflection, WaveKind, critical_angle};
 pub use signal::{Signal, SignalMotion, Support};
 pub use spectrum::{OscillatorResponse, SpectralLine};

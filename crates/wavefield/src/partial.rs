@@ -1,8 +1,30 @@
 //! One of the up to three plane waves of a field.
 
-use powerhouse_model::{ElasticMedium, Vec3};
+use powerhouse_model::{ElasticMedium, FieldMotion, Vec3};
 
 use crate::{Complex, SurfaceReflection};
+
+/// What a wave moves and stresses for unit displacement and velocity of its signal.
+#[derive(Clone, Copy)]
+pub(crate) struct Vectors {
+    pub(crate) polarisation: [f64; 3],
+    /// In Pa.
+    pub(crate) stress: [f64; 6],
+}
+
+impl Vectors {
+    /// Adds the wave under a displacement and velocity of its signal.
+    #[inline(always)]
+    pub(crate) fn add(&self, (displacement, velocity): (f64, f64), motion: &mut FieldMotion) {
+        for i in 0..3 {
+            motion.displacement[i] += self.polarisation[i] * displacement;
+            motion.velocity[i] += self.polarisation[i] * velocity;
+        }
+        for i in 0..6 {
+            motion.stress.0[i] += self.stress[i] * velocity;
+        }
+    }
+}
 
 /// A plane wave `u = Re[P A(t - delay(x))]`, `delay(x) = base + s.(x - datum)`, with `A` the
 /// signal, made analytic where `P` or the slowness `s` are complex.
@@ -53,6 +75,31 @@ impl PartialWave {
     pub(crate) fn is_real(&self) -> bool {
         let mut numbers = self.polarisation.iter().chain(&self.slowness);
         numbers.all(|value| value.im == 0.0)
+    }
+
+    /// Whether the wave decays with depth.
+    pub(crate) fn decays(&self) -> bool {
+        self.slowness.iter().any(|value| value.im != 0.0)
+    }
+
+    /// The one phase of a wave that does not decay, and its vectors without it.
+    pub(crate) fn phase_and_vectors(&self) -> (Complex, Vectors) {
+        let largest = self
+            .polarisation
+            .iter()
+            .fold(Complex::new(0.0, 0.0), |a, b| {
+                if b.norm_sqr() > a.norm_sqr() { *b } else { a }
+            });
+        let phase = match largest.norm() {
+            0.0 => Complex::new(1.0, 0.0),
+            norm => largest / norm,
+        };
+        let real = |value: Complex| (value * phase.conj()).re;
+        let vectors = Vectors {
+            polarisation: self.polarisation.map(real),
+            stress: self.stress.map(real),
+        };
+        (phase, vectors)
     }
 
     /// Lets the wave come later by a time (s).

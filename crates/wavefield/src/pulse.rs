@@ -208,7 +208,7 @@ impl Signal for Ricker {
         Support {
             start: self.delay - half,
             end: self.delay + half,
-            step: half / 400.0,
+            step: half / 200.0,
         }
     }
 }

@@ -22,6 +22,30 @@ impl StartLevel {
     }
 }
 
+/// How quietly a field is to start, and what that may cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuietStartLimits {
+    /// Displacement and velocity at the start over their peaks, 1e-12 to 0.5.
+    pub threshold: f64,
+    /// The greatest permitted delay of the wave (s), at most 1000; the search takes one evaluation
+    /// of all points for every four steps of the signal in it.
+    pub most_padding: f64,
+    /// The least width of the taper (s). A wider one keeps more of the forerunner, and costs about
+    /// twice `ln(1 / threshold)` of its width in padding.
+    pub least_taper: f64,
+}
+
+impl Default for QuietStartLimits {
+    /// 1e-4 of the peak, at most 20 s of padding, the narrowest taper.
+    fn default() -> Self {
+        Self {
+            threshold: 1e-4,
+            most_padding: 20.0,
+            least_taper: 0.0,
+        }
+    }
+}
+
 /// What it took to let a field start at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuietStart {
@@ -50,30 +74,33 @@ impl PlaneWave {
     }
 
     /// The wave, delayed and tapered so that at `start` (s) displacement and velocity at all the
-    /// points are below `threshold` of their peaks, with the least delay that does it.
+    /// points are below the threshold, with the least delay that does it.
     ///
     /// Past the critical angle the analytic signal is multiplied by `1 / (1 + exp(-(z - c) / w))`:
     /// the surface stays free and the equation of motion satisfied at all depths of the points.
     /// `w` is ten of the signal's own steps or more, as much as the depth demands; `c` lies before
-    /// the signal's start by so much that the signal itself changes by less than `threshold`.
+    /// the signal's start by so much that the signal itself changes by less than the threshold.
+    /// The forerunner before `c` is taken away, which the report shows; it is no error of the
+    /// field, but another field, whose waves from below differ by that much.
     ///
     /// # Errors
-    /// [`WaveError::NotQuiet`] if `most_padding` (s) does not suffice; parameter errors for a
-    /// threshold outside (1e-12, 0.5); as [`prepare`](IncidentField::prepare).
+    /// [`WaveError::NotQuiet`] if the permitted padding does not suffice; parameter errors for
+    /// limits out of range; as [`prepare`](IncidentField::prepare).
     pub fn with_quiet_start(
         &self,
         points: &[Vec3],
         start: f64,
-        threshold: f64,
-        most_padding: f64,
+        limits: &QuietStartLimits,
     ) -> Result<(Self, QuietStart), ModelError> {
-        ParameterError::check("threshold", threshold, 1e-12, 0.5)?;
+        let threshold = limits.threshold;
         ParameterError::check("start", start, -1e9, 1e9)?;
-        ParameterError::check("most_padding", most_padding, 0.0, 1e9)?;
-        let taper = (!self.is_causal()).then(|| self.start_taper(points, threshold));
+        ParameterError::check("threshold", threshold, 1e-12, 0.5)?;
+        ParameterError::check("most_padding", limits.most_padding, 0.0, 1e3)?;
+        ParameterError::check("least_taper", limits.least_taper, 0.0, 1e6)?;
+        let taper = (!self.is_causal()).then(|| self.start_taper(points, limits));
         let tapered = self.delayed(0.0, taper);
         let envelope = Envelope::new(&tapered, points)?;
-        let padding = envelope.padding(start, threshold, most_padding)?;
+        let padding = envelope.padding(start, limits)?;
         let level = envelope.level(start - padding);
         let removed = match taper {
             Some(_) => Envelope::new(self, points)?.difference(&envelope, start - padding),
@@ -88,15 +115,17 @@ impl PlaneWave {
         Ok((self.delayed(padding, taper), report))
     }
 
-    fn start_taper(&self, points: &[Vec3], threshold: f64) -> StartTaper {
+    fn start_taper(&self, points: &[Vec3], limits: &QuietStartLimits) -> StartTaper {
         let support = self.signal.support();
         let waves = self.partial_waves().iter();
         let heights = waves.flat_map(|wave| points.iter().map(|point| -wave.delay(point).im));
         let height = heights.fold(0.0, f64::max);
-        let width = (FRAC_2_PI * height).max(10.0 * support.step);
+        let width = (FRAC_2_PI * height)
+            .max(10.0 * support.step)
+            .max(limits.least_taper);
         StartTaper {
             // The factor's lack at the signal's start is exp(-(start - centre) / width).
-            centre: support.start + width * threshold.ln(),
+            centre: support.start + width * limits.threshold.ln(),
             width,
         }
     }
@@ -172,22 +201,17 @@ impl Envelope {
     }
 
     /// The least padding from which on all larger ones are quiet too.
-    fn padding(&self, start: f64, threshold: f64, most: f64) -> Result<f64, WaveError> {
-        // No later start than the window's end can matter.
-        let least = (start - self.window[1]).max(0.0);
-        let steps = ((most - least) / self.step).max(0.0).floor() as usize;
+    fn padding(&self, start: f64, limits: &QuietStartLimits) -> Result<f64, WaveError> {
+        let (threshold, most) = (limits.threshold, limits.most_padding);
+        let count = (most / self.step).floor() as usize;
         let mut quiet = None;
-        // Past the far end of the taper nothing is left; three windows back is farther than any.
-        let farthest = (start - self.window[0]).max(0.0) + 3.0 * (self.window[1] - self.window[0]);
-        let enough = ((farthest - least) / self.step).max(0.0).ceil() as usize;
-        for i in (0..=steps.min(enough)).rev() {
-            let padding = least + self.step * i as f64;
+        for i in (0..=count).rev() {
+            let padding = self.step * i as f64;
             if self.level(start - padding).largest() >= threshold {
                 break;
             }
             quiet = Some(padding);
         }
-        // A start before any motion needs no padding, whatever the grid.
         quiet.ok_or_else(|| WaveError::NotQuiet {
             padding: most,
             level: self.level(start - most).largest(),

@@ -304,3 +304,28 @@ fn short_histories_stay_finite() {
         );
     }
 }
+
+/// A batch of a signal's samples is its motion at those times, outside its support too.
+#[test]
+fn samples_of_a_signal_are_its_motion() {
+    let method = BaselineCorrection::VelocityPolynomial { order: 5 };
+    let (record, _) = el_centro().corrected(method).unwrap();
+    let signal = record.into_signal(EndDisplacement::Zero).unwrap();
+    let mut times: Vec<f64> = (-100..4000).map(|i| 0.00913 * i as f64).collect();
+    times.extend((0..1600).map(|i| 0.02 * i as f64));
+    times.extend([
+        f64::NEG_INFINITY,
+        -1e300,
+        0.0,
+        1e300,
+        f64::INFINITY,
+        f64::NAN,
+    ]);
+    let (mut d, mut v) = (vec![1.0; times.len()], vec![1.0; times.len()]);
+    signal.sample(&times, &mut d, &mut v);
+    for (i, time) in times.iter().enumerate() {
+        let motion = signal.motion(*time);
+        assert!((d[i] - motion.displacement).abs() < 1e-14, "{time}");
+        assert!((v[i] - motion.velocity).abs() < 1e-13, "{time}");
+    }
+}

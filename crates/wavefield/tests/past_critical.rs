@@ -4,9 +4,9 @@ mod support;
 
 use powerhouse_model::{FieldMotion, IncidentField, Vec3};
 use powerhouse_wavefield::{
-    BaselineCorrection, Complex, EndDisplacement, PlaneWave, Ricker, RickerQuantity, Signal,
-    SmoothPulse, SurfaceReflection, TimeHistory, WaveError, WaveKind, ZeroMeanPulse,
-    critical_angle,
+    BaselineCorrection, Complex, EndDisplacement, PlaneWave, QuietStartLimits, Ricker,
+    RickerQuantity, Signal, SmoothPulse, SurfaceReflection, TimeHistory, WaveError, WaveKind,
+    ZeroMeanPulse, critical_angle,
 };
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -278,7 +278,7 @@ fn a_quiet_start_is_still_a_field() {
             let field = wave(WaveKind::SV, POISSON, degrees, 37.0, signal.clone());
             let points = box_points();
             let (quiet, report) = field
-                .with_quiet_start(&points, 0.0, threshold, 5.0)
+                .with_quiet_start(&points, 0.0, &QuietStartLimits::default())
                 .unwrap();
             println!(
                 "figure wavefield.quiet_start.sv{degrees}.padding {}",
@@ -322,7 +322,7 @@ fn a_tapered_field_is_in_motion() {
     let ricker = Arc::new(Ricker::new(RickerQuantity::Displacement, 1.0, 3.0, 0.6).unwrap());
     let field = wave(WaveKind::SV, POISSON, 38.0, 37.0, ricker);
     let (quiet, report) = field
-        .with_quiet_start(&box_points(), 0.0, 1e-4, 5.0)
+        .with_quiet_start(&box_points(), 0.0, &QuietStartLimits::default())
         .unwrap();
     for time in [0.5, 0.8, 1.0].map(|share| share * report.padding) {
         let (motion, stress) = residuals(&quiet, Vec3::new(20.0, 11.0, -60.0), time, 2.0);
@@ -338,8 +338,12 @@ fn a_tapered_field_is_in_motion() {
 #[test]
 fn padding_has_its_limit() {
     let pulse = Arc::new(SmoothPulse::new(1.0, 0.8).unwrap());
+    let limits = |most_padding| QuietStartLimits {
+        most_padding,
+        ..QuietStartLimits::default()
+    };
     let field = wave(WaveKind::SV, POISSON, 38.0, 0.0, pulse.clone());
-    let refused = field.with_quiet_start(&box_points(), 0.0, 1e-4, 0.1);
+    let refused = field.with_quiet_start(&box_points(), 0.0, &limits(0.1));
     assert!(
         refused
             .err()
@@ -349,10 +353,30 @@ fn padding_has_its_limit() {
     );
     let causal = wave(WaveKind::SV, POISSON, 30.0, 0.0, pulse);
     let (_, report) = causal
-        .with_quiet_start(&box_points(), 0.0, 1e-4, 0.0)
+        .with_quiet_start(&box_points(), 0.0, &limits(0.0))
         .unwrap();
     assert_eq!(
         (report.padding, report.removed, report.taper),
         (0.0, 0.0, 0.0)
     );
+}
+
+/// A wider taper keeps more of the forerunner and takes more padding.
+#[test]
+fn a_wider_taper_keeps_more() {
+    let pulse = Arc::new(SmoothPulse::new(1.0, 0.8).unwrap());
+    let field = wave(WaveKind::SV, POISSON, 38.0, 0.0, pulse);
+    let report = |least_taper| {
+        let limits = QuietStartLimits {
+            least_taper,
+            ..QuietStartLimits::default()
+        };
+        field
+            .with_quiet_start(&box_points(), 0.0, &limits)
+            .unwrap()
+            .1
+    };
+    let (narrow, wide) = (report(0.0), report(0.5));
+    assert!(wide.removed < 0.5 * narrow.removed, "{wide:?} {narrow:?}");
+    assert!(wide.padding > narrow.padding && wide.taper == 0.5);
 }

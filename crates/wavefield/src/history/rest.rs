@@ -1,6 +1,6 @@
 //! Records that come to rest, and may therefore drive a wave.
 
-use super::{RecordReport, TimeHistory};
+use super::{Node, RecordReport, TimeHistory};
 use crate::{Signal, SignalMotion, Support, WaveError};
 
 /// Where a record leaves the ground.
@@ -24,6 +24,8 @@ pub struct RecordSignal {
     history: TimeHistory,
     report: RecordReport,
     end: f64,
+    /// The history's nodes between one at rest before them and the last, which is at rest too.
+    table: Vec<Node>,
 }
 
 impl TimeHistory {
@@ -67,8 +69,23 @@ impl TimeHistory {
             last.displacement = declared;
             last.velocity = 0.0;
         }
+        let at_rest = Node {
+            displacement: 0.0,
+            velocity: 0.0,
+            acceleration: 0.0,
+            slope: 0.0,
+        };
+        let mut table = vec![at_rest];
+        table.extend(&history.nodes);
+        if let Some(last) = table.last_mut() {
+            *last = Node {
+                displacement: declared,
+                ..at_rest
+            };
+        }
         Ok(RecordSignal {
             end: history.duration(),
+            table,
             history,
             report,
         })
@@ -118,6 +135,25 @@ impl Signal for RecordSignal {
     #[inline]
     fn motion(&self, time: f64) -> SignalMotion {
         self.history.motion(time)
+    }
+    /// Without a branch: times outside fall on the nodes at rest, whatever their distance from them.
+    #[inline]
+    fn sample(&self, times: &[f64], displacement: &mut [f64], velocity: &mut [f64]) {
+        /// Added to a number below 2^31, leaves it rounded in the lowest bits.
+        const ROUNDING: f64 = (1u64 << 52) as f64;
+        let last = self.table.len() - 1;
+        let (step, per_step) = (self.history.step, self.history.per_step);
+        let outputs = displacement.iter_mut().zip(velocity);
+        for (time, (displacement, velocity)) in times.iter().zip(outputs) {
+            // The first node is one step before time zero; a number that is none counts as that.
+            let place = (time * per_step + 1.0).max(0.0).min(last as f64);
+            let rounded = (place - 0.5).max(0.0) + ROUNDING;
+            let index = (rounded.to_bits() as u32) as usize;
+            let local = (place - (rounded - ROUNDING)) * step;
+            let motion = self.table[index.min(last)].motion(local);
+            *displacement = motion.displacement;
+            *velocity = motion.velocity;
+        }
     }
     /// Four steps of the table to a step of the record.
     fn support(&self) -> Support {
