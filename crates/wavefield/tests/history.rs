@@ -86,6 +86,15 @@ fn peaks_between_samples_are_found() {
     let report = TimeHistory::new(5.0, vec![1.0, -1.5]).unwrap().report();
     assert!((report.peak_displacement - 8.0 / 3.0).abs() < 1e-14);
     assert!((report.end_displacement - (12.5 - 125.0 / 12.0)).abs() < 1e-14);
+    // In the second interval a = -1 + 2 t: velocity 0.25 - t + t^2 would touch zero at 1/2 only;
+    // with 0.1875 it is zero at 1/4 and 3/4, and the displacement largest at the former.
+    for sign in [1.0, -1.0] {
+        let samples = [1.375, -1.0, 1.0].map(|a| sign * a);
+        let history = TimeHistory::new(1.0, samples.to_vec()).unwrap();
+        let (start, root) = (history.motion(1.0), history.motion(1.25));
+        assert!((start.velocity - sign * 0.1875).abs() < 1e-15 && root.velocity.abs() < 1e-15);
+        assert_eq!(history.report().peak_displacement, root.displacement.abs());
+    }
 }
 
 /// The main record path works: first 20 s, baseline by name, scaled to 1.7 m/s2, a signal at rest
@@ -143,8 +152,8 @@ fn the_run_down_is_smooth() {
     let start = history.duration();
     let signal = history.into_signal(EndDisplacement::Declared(end)).unwrap();
     let stop = signal.support().end;
-    for i in 0..=1000 {
-        let time = start + (stop - start) * 1.01 * i as f64 / 1000.0;
+    let times = (0..=1000).map(|i| start + (stop - start) * 1.01 * i as f64 / 1000.0);
+    for time in times.chain([start, stop]) {
         let (before, after) = (signal.motion(time - 1e-8), signal.motion(time + 1e-8));
         assert!((before.acceleration - after.acceleration).abs() < 1e-5);
         assert!((before.velocity - after.velocity).abs() < 1e-6);

@@ -302,6 +302,20 @@ fn a_quiet_start_is_still_a_field() {
                 let traction = surface.traction(&Vec3::z()).amax();
                 assert!(traction < 1e-12 * support::size(&inside.0), "{traction:e}");
             }
+            // Once the signal has begun in all waves, the field is what it was without the taper.
+            let begun = support::latest_arrival(&field, points[1]) + signal.support().start;
+            let (mut difference, mut peak) = (0.0f64, 0.0f64);
+            for i in 0..40 {
+                let time = begun + 0.02 * i as f64;
+                let before = motion(&field, points[1], time).displacement;
+                let after = motion(&quiet, points[1], time + report.padding).displacement;
+                difference = difference.max((after - before).norm());
+                peak = peak.max(before.norm());
+            }
+            assert!(
+                difference < 2.0 * threshold * peak,
+                "{difference:e} {peak:e}"
+            );
             // The incident wave is the signal, delayed.
             let incident = quiet.incident_part().unwrap();
             let reference = field.parameters().reference;

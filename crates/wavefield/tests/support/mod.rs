@@ -98,3 +98,11 @@ pub(crate) fn residuals(
         size(&difference) / size(&stress.0),
     )
 }
+
+/// When the last of the travelling waves passes a point: the reflected one of the incident's type.
+pub(crate) fn latest_arrival(field: &PlaneWave, point: Vec3) -> f64 {
+    let parameters = field.parameters();
+    let speed = parameters.kind.speed(&parameters.medium);
+    let mirrored = Vec3::new(point.x, point.y, 2.0 * SURFACE - point.z);
+    parameters.arrival + (mirrored - parameters.reference).dot(&parameters.direction()) / speed
+}
