@@ -243,3 +243,33 @@ fn fade([displacement, velocity, acceleration]: &mut [Vec<f64>; 3], step: f64) {
         acceleration[i] = a * w + 2.0 * v * w1 + d * w2;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is faded stays a motion: velocity and acceleration are the derivatives of displacement
+    /// and velocity, and the ends are at rest.
+    #[test]
+    fn a_faded_motion_is_a_motion() {
+        let (count, step) = (2000, 0.01);
+        let time = |i: usize| step * i as f64;
+        let mut motion = [
+            (0..count).map(|i| 1.0 + 0.1 * time(i).powi(2)).collect(),
+            (0..count).map(|i| 0.2 * time(i)).collect(),
+            vec![0.2; count],
+        ];
+        fade(&mut motion, step);
+        let [displacement, velocity, acceleration] = motion;
+        for end in [0, count - 1] {
+            assert_eq!((displacement[end], velocity[end]), (0.0, 0.0));
+        }
+        for i in 1..count - 1 {
+            let slope = |values: &[f64]| (values[i + 1] - values[i - 1]) / (2.0 * step);
+            // The faded ends are 200 steps long: step^2 / 6 times derivatives of at most
+            // 60 x 40 / (200 step)^3 and 360 x 40 / (200 step)^4.
+            assert!((velocity[i] - slope(&displacement)).abs() < 0.01, "{i}");
+            assert!((acceleration[i] - slope(&velocity)).abs() < 0.02, "{i}");
+        }
+    }
+}

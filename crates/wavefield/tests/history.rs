@@ -86,14 +86,15 @@ fn peaks_between_samples_are_found() {
     let report = TimeHistory::new(5.0, vec![1.0, -1.5]).unwrap().report();
     assert!((report.peak_displacement - 8.0 / 3.0).abs() < 1e-14);
     assert!((report.end_displacement - (12.5 - 125.0 / 12.0)).abs() < 1e-14);
-    // In the second interval a = -1 + 2 t: velocity 0.25 - t + t^2 would touch zero at 1/2 only;
-    // with 0.1875 it is zero at 1/4 and 3/4, and the displacement largest at the former.
+    // In the second interval a = -1 + 1.5 t: velocity 0.1875 - t + 0.75 t^2 vanishes once in it.
     for sign in [1.0, -1.0] {
-        let samples = [1.375, -1.0, 1.0].map(|a| sign * a);
+        let samples = [1.375, -1.0, 0.5].map(|a| sign * a);
         let history = TimeHistory::new(1.0, samples.to_vec()).unwrap();
-        let (start, root) = (history.motion(1.0), history.motion(1.25));
-        assert!((start.velocity - sign * 0.1875).abs() < 1e-15 && root.velocity.abs() < 1e-15);
-        assert_eq!(history.report().peak_displacement, root.displacement.abs());
+        let root = history.motion(1.0 + (1.0 - 0.4375f64.sqrt()) / 1.5);
+        assert!((history.motion(1.0).velocity - sign * 0.1875).abs() < 1e-15);
+        assert!(root.velocity.abs() < 1e-15);
+        let peak = history.report().peak_displacement;
+        assert!((peak - root.displacement.abs()).abs() < 1e-15);
     }
 }
 
