@@ -221,6 +221,8 @@ impl AnalyticSignal {
 }
 
 /// How often the step is doubled at a height given in steps, and the nearest row at that step.
+///
+/// Heights stay below the far ones, so that even the coarsest transform has 128 samples.
 fn band(height: f64) -> (u32, u64) {
     let mut coarsening = 0;
     let mut rows = height;

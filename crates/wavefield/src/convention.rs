@@ -32,7 +32,9 @@ pub enum InputConvention {
     /// angle the coefficient is complex and the incident wave a phase-shifted record.
     SurfaceComponent(SurfaceComponent),
     /// A component of the motion at a depth below the free surface under this very wave, incident
-    /// and reflected together.
+    /// and reflected together. The record's time zero becomes that of the incident wave at the
+    /// place of the record; the incident wave begins before it where the record is to be explained
+    /// by waves that are on their way.
     ///
     /// That motion vanishes at some frequencies, where no record can tell the incident wave: the
     /// division by the transfer function H is regularised, `F conj(H) / (|H|^2 + (r Hm)^2)`, with

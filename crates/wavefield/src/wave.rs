@@ -105,7 +105,10 @@ pub fn first_hit_corner(low: &Vec3, high: &Vec3, direction: &Vec3) -> Vec3 {
 /// wave and point. Below the critical angle the waves are real multiples of the signal, exact at
 /// all times. Past it ([`critical_angle`](crate::critical_angle)) the reflected waves are made
 /// from tables of the analytic signal, and begin before the incident wave arrives: see
-/// [`start_level`](Self::start_level) and [`with_quiet_start`](Self::with_quiet_start).
+/// [`start_level`](Self::start_level) and [`with_quiet_start`](Self::with_quiet_start). The tables
+/// agree with the formulas to 1e-6 of the peak displacement and 1e-4 of the peak velocity for
+/// pulses whose acceleration has corners (1e-7 for smooth ones, 1e-3 of the velocity for a record
+/// with a corner at every sample); each `prepare` builds its own, about 15 MB for a record of 20 s.
 ///
 /// Sources: K. Aki, P. G. Richards (2002), Quantitative Seismology, ch. 5; X. Wang, J. Chen,
 /// M. Xiao (2019), Soil Dyn. Earthq. Eng. 119, Eqs. 4-10, whose delays are replaced by

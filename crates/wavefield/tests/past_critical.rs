@@ -272,8 +272,12 @@ fn a_quiet_start_is_still_a_field() {
     let threshold = 1e-4;
     let ricker = Ricker::new(RickerQuantity::Displacement, 1.0, 3.0, 0.6).unwrap();
     let smooth = SmoothPulse::new(1.0, 0.8).unwrap();
-    let signals: [Arc<dyn Signal>; 3] = [Arc::new(ricker), Arc::new(smooth), el_centro()];
-    for signal in signals {
+    let signals: [(&str, Arc<dyn Signal>); 3] = [
+        ("ricker", Arc::new(ricker)),
+        ("smooth_pulse", Arc::new(smooth)),
+        ("record", el_centro()),
+    ];
+    for (name, signal) in signals {
         for degrees in [38.0, 60.0] {
             let field = wave(WaveKind::SV, POISSON, degrees, 37.0, signal.clone());
             let points = box_points();
@@ -281,11 +285,11 @@ fn a_quiet_start_is_still_a_field() {
                 .with_quiet_start(&points, 0.0, &QuietStartLimits::default())
                 .unwrap();
             println!(
-                "figure wavefield.quiet_start.sv{degrees}.padding {}",
+                "figure wavefield.{name}.quiet_start.sv{degrees}.padding {}",
                 report.padding
             );
             println!(
-                "figure wavefield.quiet_start.sv{degrees}.removed {:e}",
+                "figure wavefield.{name}.quiet_start.sv{degrees}.removed {:e}",
                 report.removed
             );
             assert!(
