@@ -15,7 +15,7 @@ fn concrete(poisson: f64) -> ElasticMedium {
 
 fn jitter(mesh: Mesh, amount: f64) -> Mesh {
     let shift = |p: &Vec3| {
-        let seed = (100.0 * p.x + 1000.0 * p.y + 10_000.0 * p.z).round() as i64 as u64;
+        let seed = (100.0 * p.x + 1000.0 * p.y + 10_000.0 * p.z + 50_000.0).round() as u64;
         amount * Vec3::new(noise(3 * seed), noise(3 * seed + 1), noise(3 * seed + 2))
     };
     mesh.map_positions(|p| p + shift(&p)).unwrap()

@@ -84,17 +84,16 @@ impl Functional {
                 *work += stress.work(strain);
             }
         }
-        self.add_nodal(|node| view.displacement(node), 1.0, works);
+        self.add_nodal(|node| view.displacement(node), works);
     }
 
-    /// Adds the works of the elastic forces that mean stresses do not carry, times a factor.
+    /// Adds the works of the elastic forces that mean stresses do not carry.
     ///
     /// They are the same for a displacement less that of one node; less of it, the rounding of a
     /// factory in single precision stays small against the strains.
     pub(super) fn add_nodal(
         &self,
         displacement: impl Fn(u32) -> Vec3,
-        factor: f64,
         works: &mut [f64; RESULTANTS],
     ) {
         let origin = self
@@ -104,7 +103,7 @@ impl Functional {
         for (&node, forces) in self.nodes.iter().zip(&self.forces) {
             let relative = displacement(node) - origin;
             for (work, force) in works.iter_mut().zip(forces) {
-                *work += factor * force.dot(&relative);
+                *work += force.dot(&relative);
             }
         }
     }

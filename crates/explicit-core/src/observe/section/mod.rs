@@ -1,7 +1,7 @@
 //! Forces and moments of sections.
 
 mod functional;
-mod polygon;
+mod plane;
 
 use powerhouse_model::{
     Cadence, ElasticMedium, Fields, Flow, Mesh, ModelError, Observer, ParameterError, StepView,
@@ -11,7 +11,7 @@ use powerhouse_model::{
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 use crate::BlockFactory;
 use functional::{Functional, RESULTANTS};
-use polygon::{Plane, PlaneArea};
+use plane::{Plane, meet};
 
 /// A named plane through elements.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,29 +83,31 @@ pub struct SectionGeometry {
 ///
 /// # Method
 /// The integrals are not taken over the plane. They are the virtual work of the internal forces
-/// on a motion that moves all nodes on the positive side rigidly, by a unit along or about an axis
-/// through the centroid, and leaves the others: elements that lie wholly on one side do no work,
-/// and what remains is the sum over the elements that the plane meets of the nodal forces on the
-/// positive side. These balance the loads on that side to rounding, on any mesh, be the lining one
-/// element thick, because they are the forces with which the engine computes: those of the mean
-/// stress of the step, and for what it does not carry (bending inside an element, hourglass
-/// resistance) those of the elastic operator of the run's own kernel. With a law that is not
-/// elastic the first stay exact; the second are exact for one-point kernels, whose hourglass
-/// resistance is elastic, and elastic estimates for others.
+/// on a motion that leaves the negative side, moves the positive side rigidly by a unit along or
+/// about an axis through the centroid, and rises evenly from one to the other over the length of
+/// an element across the plane. Elements that lie wholly on one side do no work. The sum balances
+/// the loads on the positive side to rounding, on any mesh, be the lining one element thick,
+/// because it is made of the forces with which the engine computes: those of the mean stress of the
+/// step, and for what that does not carry (bending inside an element, hourglass resistance) those
+/// of the elastic operator of the run's own kernel. With a law that is not elastic the first stay
+/// exact; the second are exact for one-point kernels, whose hourglass resistance is elastic, and
+/// elastic estimates for others.
 ///
-/// Between the plane and the nodes on its positive side loads and inertia are not counted, nor
-/// what the rest of the ground does to the cut elements: an error of the order of the element
-/// length over the length on which these change. A plane along element sides has none.
+/// Loads and inertia inside the element length around the plane count by halves, as they should
+/// where they are spread evenly; the error is of second order in that length. Where the elements
+/// end next to the plane the rise is cut short to what there is of them, so that a plane may lie on
+/// the end of a pillar; an end that runs obliquely within that length is not recognised.
 ///
-/// Memory: per cut 144 bytes a node and 288 an element that the plane meets; 8 per column and row.
+/// Memory: per cut 144 bytes a node and 288 an element of the layers next to the plane; 8 per
+/// column and row.
 pub struct SectionForces {
     cadence: Cadence,
-    sections: Vec<Section>,
+    sections: Vec<Sensor>,
     row: Vec<f64>,
     recording: Recording<HistoryTable>,
 }
 
-struct Section {
+struct Sensor {
     geometry: SectionGeometry,
     functionals: Vec<Functional>,
     /// Works to be taken off, of the reference displacement.
@@ -142,7 +144,7 @@ impl SectionForces {
 
     /// Adds a cut through the elements of one or more sources.
     ///
-    /// Nodes within 1e-6 of the mesh's diagonal count as on the plane, and with the positive side.
+    /// Nodes within 1e-6 of the mesh's diagonal count as on the plane.
     ///
     /// # Errors
     /// A direction without length, a plane that meets no element, a name that stands twice, a
@@ -154,28 +156,39 @@ impl SectionForces {
         sources: &[CutSource],
     ) -> Result<&SectionGeometry, ObserveError> {
         let (normal, along) = axes(cut)?;
+        let chosen: Vec<Vec<u32>> = sources
+            .iter()
+            .map(|source| elements_in_box(mesh, cut, source.elements))
+            .collect();
         let (low, high) = mesh.bounding_box();
-        let plane = Plane {
+        let plane = |own_positive| Plane {
             point: cut.point,
             normal,
             tolerance: 1e-6 * (high - low).norm(),
+            own_positive,
         };
-        let met: Vec<Vec<u32>> = sources
-            .iter()
-            .map(|source| elements_met(mesh, cut, &plane, source.elements))
-            .collect();
-        let geometry = geometry(mesh, cut, &plane, along, &met)?;
+        // Elements that only touch the plane from its positive side count as met if no others are.
+        let section =
+            meet(mesh, plane(true), &chosen).or_else(|| meet(mesh, plane(false), &chosen));
+        let section = section.ok_or_else(|| ObserveError::EmptyCut {
+            cut: cut.name.clone(),
+        })?;
+        let geometry = section.geometry(cut, along);
         let axes = [geometry.normal, geometry.across, geometry.along];
         let virtual_motion = |node: u32| {
             let position = &mesh.positions()[node as usize];
-            core::array::from_fn(|k| match plane.positive(position) {
-                None => Vec3::zeros(),
-                Some(_) if k < 3 => axes[k],
-                Some(_) => axes[k - 3].cross(&(position - geometry.centroid)),
+            let share = section.ramp(position);
+            core::array::from_fn(|k| {
+                let rigid = match k {
+                    0..3 => axes[k],
+                    _ => axes[k - 3].cross(&(position - geometry.centroid)),
+                };
+                rigid * share
             })
         };
         let mut functionals = Vec::new();
-        for (source, elements) in sources.iter().zip(met) {
+        for (source, elements) in sources.iter().zip(&chosen) {
+            let elements = section.strained(mesh, elements);
             if !elements.is_empty() {
                 let functional = Functional::new(
                     mesh,
@@ -196,7 +209,7 @@ impl SectionForces {
                 table.add_column(format!("{}.{column}", cut.name), unit)?;
             }
         }
-        self.sections.push(Section {
+        self.sections.push(Sensor {
             geometry,
             functionals,
             reference: [0.0; RESULTANTS],
@@ -220,7 +233,7 @@ impl SectionForces {
                 let least = functional.nodes.last().map_or(0, |&last| last as usize + 1);
                 let count = displacement.len() as f64;
                 ParameterError::check("displacements", count, least as f64, f64::MAX)?;
-                functional.add_nodal(|node| displacement[node as usize], 1.0, &mut works);
+                functional.add_nodal(|node| displacement[node as usize], &mut works);
             }
             section.reference = works;
         }
@@ -259,58 +272,16 @@ fn axes(cut: &Cut) -> Result<(Vec3, Vec3), ObserveError> {
     Ok((normal, along.ok_or_else(|| refused("along", &cut.along))?))
 }
 
-/// Solid elements in the cut's box with nodes on both sides of the plane.
-fn elements_met(mesh: &Mesh, cut: &Cut, plane: &Plane, elements: &[u32]) -> Vec<u32> {
-    let positive = |&node: &u32| plane.positive(&mesh.positions()[node as usize]).is_some();
-    let met = |&element: &u32| {
-        let nodes = mesh.nodes_of(element);
-        let above = nodes.iter().filter(|node| positive(node)).count();
-        mesh.kind(element).is_solid() && above > 0 && above < nodes.len()
-    };
+/// Solid elements in the cut's box.
+fn elements_in_box(mesh: &Mesh, cut: &Cut, elements: &[u32]) -> Vec<u32> {
     let in_box = |&element: &u32| {
         let centroid = mesh.centroid(element);
-        cut.within.is_none_or(|(low, high)| {
+        let inside = |(low, high): (Vec3, Vec3)| {
             (0..3).all(|i| low[i] <= centroid[i] && centroid[i] <= high[i])
-        })
+        };
+        mesh.kind(element).is_solid() && cut.within.is_none_or(inside)
     };
-    elements
-        .iter()
-        .copied()
-        .filter(met)
-        .filter(in_box)
-        .collect()
-}
-
-fn geometry(
-    mesh: &Mesh,
-    cut: &Cut,
-    plane: &Plane,
-    along: Vec3,
-    met: &[Vec<u32>],
-) -> Result<SectionGeometry, ObserveError> {
-    let mut polygons = PlaneArea::default();
-    for &element in met.iter().flatten() {
-        let nodes = mesh.nodes_of(element).iter();
-        let corners: Vec<Vec3> = nodes.map(|&node| mesh.positions()[node as usize]).collect();
-        polygons.add(plane, mesh.kind(element), &corners);
-    }
-    if polygons.area <= 0.0 {
-        return Err(ObserveError::EmptyCut {
-            cut: cut.name.clone(),
-        });
-    }
-    let across = along.cross(&plane.normal);
-    Ok(SectionGeometry {
-        name: cut.name.clone(),
-        area: polygons.area,
-        centroid: polygons.first_moment / polygons.area,
-        width: polygons.extent(&along),
-        depth: polygons.extent(&across),
-        normal: plane.normal,
-        along,
-        across,
-        elements: met.iter().map(Vec::len).sum(),
-    })
+    elements.iter().copied().filter(in_box).collect()
 }
 
 impl Observer for SectionForces {
