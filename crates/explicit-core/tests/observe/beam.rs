@@ -6,11 +6,12 @@ use powerhouse_explicit_core::{
     Wedge6, solid,
 };
 use powerhouse_model::{
-    Cadence, ConstitutiveLaw, ElasticMedium, ElementBlock, HistoryVariable, Lane, LawInput, Mesh,
-    NodalView, NodalViewMut, Numbering, Operator, Quad, Stress, Vec3,
+    Cadence, ConstitutiveLaw, ElasticMedium, ElementBlock, ElementKernel, HistoryVariable, Lane,
+    LawInput, Mesh, NodalView, NodalViewMut, Numbering, Operator, Quad, Stress, Vec3,
 };
 
 use crate::Fields;
+use crate::plain::Plain;
 
 /// Hooke's law.
 #[derive(Clone)]
@@ -52,20 +53,13 @@ pub(crate) const KERNELS: [Kernel; 5] = [
 ];
 
 impl Kernel {
-    pub(crate) fn factory(
-        self,
-        medium: ElasticMedium,
-        precision: Precision,
-    ) -> Box<dyn BlockFactory> {
-        let law = Linear(medium);
-        let mut options = BlockOptions::default();
-        options.precision = precision;
+    pub(crate) fn factory(self, medium: ElasticMedium) -> Box<dyn BlockFactory> {
         match self {
-            Self::OnePoint => solid("beam", Hex8OnePoint::default(), law, options),
-            Self::Full => solid("beam", Hex8Full, law, options),
-            Self::BBar => solid("beam", Hex8BBar, law, options),
-            Self::Wedge => solid("beam", Wedge6, law, options),
-            Self::Tet => solid("beam", Tet4, law, options),
+            Self::OnePoint => one_point(medium, Precision::F64),
+            Self::Full => plain(Hex8Full, medium),
+            Self::BBar => plain(Hex8BBar, medium),
+            Self::Wedge => plain(Wedge6, medium),
+            Self::Tet => plain(Tet4, medium),
         }
     }
     /// A box of the kernel's elements.
@@ -77,6 +71,20 @@ impl Kernel {
         };
         generator(low, high, cells, "beam").unwrap()
     }
+}
+
+fn plain<K: ElementKernel<N, P>, const N: usize, const P: usize>(
+    kernel: K,
+    medium: ElasticMedium,
+) -> Box<dyn BlockFactory> {
+    Box::new(Plain { kernel, medium })
+}
+
+/// The engine's own blocks of one-point bricks.
+pub(crate) fn one_point(medium: ElasticMedium, precision: Precision) -> Box<dyn BlockFactory> {
+    let mut options = BlockOptions::default();
+    options.precision = precision;
+    solid("beam", Hex8OnePoint::default(), Linear(medium), options)
 }
 
 /// A body of one set, as one block.
@@ -95,7 +103,7 @@ impl Body {
             mesh_of: every.clone(),
         };
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
-        let factory = kernel.factory(medium, Precision::F64);
+        let factory = kernel.factory(medium);
         let part = BlockPart::new(&mesh, &elements, &numbering, &every);
         let block = factory.build(&part).unwrap();
         Self {

@@ -80,6 +80,9 @@ fn only_what_is_wanted_and_finite() {
     assert!(unseen.rows.is_empty());
     let mut view = Fields::at_rest(8);
     view.show(&mut envelope, 0.0);
+    view.show(&mut envelope, 0.5);
+    // Of equal peaks the first counts.
+    assert_eq!(recording.read(|table| table.velocity.times[0]), 0.0);
     view.velocity = Box::new(|_, _| Vec3::new(0.0, f64::NAN, 0.0));
     let error = envelope.observe(&view).unwrap_err();
     assert!(
@@ -95,6 +98,12 @@ fn only_what_is_wanted_and_finite() {
 
     let mut stressed = Envelope::new(&mesh, &[], Motion::ALL, &[0], every).unwrap();
     assert!(stressed.fields().stress && !stressed.fields().acceleration);
+    view.show(&mut stressed, 0.0);
+    view.show(&mut stressed, 0.5);
+    stressed.recording().read(|table| {
+        assert_eq!(table.greatest_stress.times, [0.0]);
+        assert_eq!(table.least_stress.times, [0.0]);
+    });
     view.stress = Box::new(|_, _| Stress([0.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0]));
     let error = stressed.observe(&view).unwrap_err();
     assert!(

@@ -3,6 +3,7 @@
 mod beam;
 mod envelope;
 mod history;
+mod plain;
 mod principal;
 mod section;
 mod snapshots;

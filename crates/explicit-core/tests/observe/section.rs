@@ -6,7 +6,7 @@ use powerhouse_explicit_core::observe::{
 };
 use powerhouse_model::{Cadence, ElasticMedium, Mesh, ParameterError, Vec3};
 
-use crate::beam::{Body, KERNELS, Kernel, cut_at};
+use crate::beam::{Body, KERNELS, Kernel, cut_at, one_point};
 use crate::noise;
 
 fn concrete(poisson: f64) -> ElasticMedium {
@@ -103,6 +103,83 @@ fn a_cantilever_shows_its_end_loads() {
                     assert_eq!(found[per_metre], found[total] / geometry.width);
                 }
             }
+        }
+    }
+}
+
+/// Under an even load `q` along its length the shear at any cut is `q` times what is left of the
+/// length, exactly, and the moment is off by no more than its interpolation inside an element,
+/// `q h^2 / 8`: loads in the element that the plane meets are shared out.
+#[test]
+fn an_even_load_is_shared_out_at_the_cut() {
+    let (length, cells, load) = (6.0, 6, 1e5);
+    let (low, high) = (Vec3::new(0.0, -1.0, -0.5), Vec3::new(length, 1.0, 0.5));
+    for kernel in [Kernel::OnePoint, Kernel::Full] {
+        let mesh = kernel.mesh(low, high, [cells, 1, 1]);
+        let body = Body::new(mesh, kernel, concrete(0.2));
+        let held = body
+            .mesh
+            .nodes_of_facets(body.mesh.facet_set("left").unwrap());
+        // Each layer of four nodes carries the load of one element length, the end ones of half.
+        let h = length / cells as f64;
+        let loads: Vec<Vec3> = body
+            .mesh
+            .positions()
+            .iter()
+            .map(|p| {
+                let end = p.x == 0.0 || p.x == length;
+                -0.25 * load * h * if end { 0.5 } else { 1.0 } * Vec3::z()
+            })
+            .collect();
+        let displacement = body.deflection(&held, &loads);
+        for x in [1.0, 2.25, 3.5, 4.1, 5.0] {
+            let found = body.section(&cut_at(x), &displacement);
+            let left = length - x;
+            // Across is -z; the load bends the beam down: tension above.
+            assert!(
+                (found[1] - load * left).abs() < 1e-6 * load,
+                "{kernel:?} {x} {}",
+                found[1]
+            );
+            let moment = -found[4];
+            let expected = 0.5 * load * left * left;
+            assert!(
+                (moment - expected).abs() <= 0.126 * load * h * h,
+                "{kernel:?} {x} {moment} {expected}"
+            );
+        }
+    }
+}
+
+/// A plane on either end of the elements, such as the foot of a pillar, shows the whole force, and so
+/// does one within half an element of it.
+#[test]
+fn a_plane_may_lie_on_an_end() {
+    let (low, high) = (Vec3::zeros(), Vec3::new(3.0, 1.0, 1.0));
+    let body = Body::new(
+        Kernel::Full.mesh(low, high, [3, 2, 2]),
+        Kernel::Full,
+        concrete(0.0),
+    );
+    let stretched: Vec<Vec3> = body
+        .mesh
+        .positions()
+        .iter()
+        .map(|p| Vec3::new(1e-4 * p.x, 0.0, 0.0))
+        .collect();
+    let force = body.medium.young * 1e-4;
+    for x in [0.0, 0.2, 1.0, 2.8, 3.0] {
+        for sign in [1.0, -1.0] {
+            let cut = Cut {
+                normal: sign * Vec3::x(),
+                ..cut_at(x)
+            };
+            let found = body.section(&cut, &stretched);
+            assert!(
+                (found[0] / force - 1.0).abs() < 1e-12,
+                "{x} {sign} {}",
+                found[0]
+            );
         }
     }
 }
@@ -306,7 +383,7 @@ fn only_strain_since_the_reference_counts() {
     let scale = plain[4].abs();
     assert!(scale > 1e4);
     for precision in [Precision::F64, Precision::Mixed, Precision::F32] {
-        body.factory = Kernel::OnePoint.factory(body.medium, precision);
+        body.factory = one_point(body.medium, precision);
         let close = if precision == Precision::F64 {
             1e-9
         } else {
@@ -328,7 +405,7 @@ fn only_strain_since_the_reference_counts() {
             );
         }
     }
-    body.factory = Kernel::OnePoint.factory(body.medium, Precision::F64);
+    body.factory = one_point(body.medium, Precision::F64);
     let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
     observer
         .add_cut(&body.mesh, &cut_at(1.6), &[body.source()])
@@ -415,7 +492,7 @@ fn impossible_cuts_are_refused() {
         refused(boxed, body.source()),
         Some(ObserveError::EmptyCut { .. })
     ));
-    let tets = Kernel::Tet.factory(body.medium, Precision::F64);
+    let tets = Kernel::Tet.factory(body.medium);
     let wrong = CutSource {
         factory: &*tets,
         ..body.source()

@@ -100,6 +100,43 @@ pub struct SectionGeometry {
 ///
 /// Memory: per cut 144 bytes a node and 288 an element of the layers next to the plane; 8 per
 /// column and row.
+///
+/// ```
+/// use powerhouse_explicit_core::observe::{Cut, CutSource, SectionForces};
+/// use powerhouse_explicit_core::{BlockOptions, Hex8OnePoint, solid};
+/// use powerhouse_model::{Cadence, ElasticMedium, Mesh, Vec3};
+/// # use powerhouse_model::{ConstitutiveLaw, HistoryVariable, Lane, LawInput, Stress};
+/// # #[derive(Clone)]
+/// # struct Linear(ElasticMedium);
+/// # impl ConstitutiveLaw for Linear {
+/// #     fn name(&self) -> &str { "linear" }
+/// #     fn medium(&self) -> ElasticMedium { self.0 }
+/// #     fn history(&self) -> &'static [HistoryVariable] { &[] }
+/// #     fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
+/// #         let one = input.strain.0[0].constant(1.0);
+/// #         Stress::elastic(one.constant(self.0.lambda()), one.constant(self.0.shear()), &input.strain)
+/// #     }
+/// # }
+/// let pillar = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 3.0, 8.0), [2, 3, 8], "pillar")?;
+/// let medium = ElasticMedium::new(25.0e9, 0.17, 2500.0)?;
+/// let factory = solid("pillar", Hex8OnePoint::DEFAULT, Linear(medium), BlockOptions::default());
+/// let mut forces = SectionForces::new(Cadence::Seconds(0.01))?;
+/// let cut = Cut {
+///     name: "foot".into(),
+///     point: Vec3::zeros(),
+///     normal: Vec3::z(),
+///     along: Vec3::y(),
+///     within: None,
+/// };
+/// let elements = pillar.element_set("pillar")?;
+/// let source = CutSource { elements, factory: &*factory, medium };
+/// let section = forces.add_cut(&pillar, &cut, &[source])?;
+/// assert!((section.area - 6.0).abs() < 1e-12 && (section.width - 3.0).abs() < 1e-12);
+/// // `forces` goes into a run; `recording` shows the table afterwards.
+/// let recording = forces.recording();
+/// assert!(recording.read(|table| table.column("foot.axial_per_metre").is_some()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct SectionForces {
     cadence: Cadence,
     sections: Vec<Sensor>,
