@@ -256,7 +256,7 @@ impl SectionForces {
 
     /// From now on displacement counts from this one (m, one per mesh node), at which the elements
     /// of the cuts are strained by nothing: what is cast later is stress-free in the deformed
-    /// state. By default it counts from zero.
+    /// state. By default it counts from zero. Holds for the cuts added so far.
     ///
     /// # Errors
     /// If there are not as many displacements as nodes.
