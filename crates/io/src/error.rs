@@ -48,6 +48,20 @@ pub enum IoError {
         /// The name.
         name: String,
     },
+    /// A plot without points, or a picture without elements in sight.
+    #[error("{}: there is nothing to draw", file.display())]
+    NothingToDraw {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A setting outside its range.
+    #[error("{}: {source}", file.display())]
+    Setting {
+        /// The file.
+        file: PathBuf,
+        /// Which, and what is permitted.
+        source: powerhouse_model::ParameterError,
+    },
     /// A summary that cannot be written as JSON.
     #[error("{}: {source}", file.display())]
     Json {

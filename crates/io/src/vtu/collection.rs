@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::writer::{VtuField, VtuWriter};
+use crate::xml::escaped;
 use crate::{IoError, write_whole};
 
 /// A PVD file and the VTU files beside it. The PVD is written anew, whole, after every instant, so
@@ -74,7 +75,7 @@ impl PvdCollection {
             let _ = writeln!(
                 text,
                 r#"<DataSet timestep="{time}" group="" part="0" file="{}"/>"#,
-                super::writer::escaped(name)
+                escaped(name)
             );
         }
         text.push_str("</Collection>\n</VTKFile>\n");

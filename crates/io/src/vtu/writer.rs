@@ -6,6 +6,7 @@ use std::path::Path;
 use powerhouse_model::{ElementKind, Mesh};
 
 use super::encode::{compressed, float_bytes};
+use crate::xml::escaped;
 use crate::{IoError, write_whole};
 
 /// The number format of result fields in a file; positions are always doubles.
@@ -254,11 +255,4 @@ fn component_names(components: usize) -> String {
         let _ = write!(text, r#" ComponentName{index}="{name}""#);
         text
     })
-}
-
-pub(super) fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

@@ -48,6 +48,12 @@ impl Mesh {
         SideTable::of_all(self).alone(self)
     }
 
+    /// The surface of a part of the mesh, as [`boundary_facets`](Self::boundary_facets): sides of
+    /// the elements chosen that lie on no other element chosen.
+    pub fn boundary_facets_of(&self, chosen: impl Fn(u32) -> bool) -> Vec<Facet> {
+        SideTable::of(self, |facet| chosen(facet.element)).alone(self)
+    }
+
     /// Those of the sides chosen that lie on no other side chosen, in rising order.
     pub(super) fn alone_among(&self, chosen: impl Fn(&[u32]) -> bool) -> Vec<Facet> {
         SideTable::of(self, |facet| {

@@ -1,0 +1,293 @@
+//! The picture with its title and its scale of colours.
+
+use powerhouse_model::Vec3;
+
+use super::colour::{ColourMap, Rgb, darkened, set_colour};
+use super::font::{HEIGHT, text_width, write};
+use super::raster::{Point, Raster};
+use super::surface::{Surface, colours_of_sets};
+use super::{Picture, PictureField};
+use crate::scale::Scale;
+
+const BACKGROUND: Rgb = [255; 3];
+const INK: Rgb = [40, 40, 40];
+/// Pixels are computed this many times finer in both directions, then averaged.
+const FINER: usize = 2;
+const MARGIN: usize = 16;
+/// Width of the scale of colours with its numbers (pixels).
+const SIDE: usize = 130;
+const BAR: usize = 22;
+/// How far lines stand before the surface they lie on, as a share of the body's size.
+const LIFT: f64 = 1e-3;
+/// How dark a facet is that the light only grazes.
+const SHADE: f64 = 0.68;
+
+/// Rows of pixels from the top.
+pub(super) struct Frame {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) pixels: Vec<Rgb>,
+}
+
+/// Draws a picture whose settings are sound; none if nothing is in sight.
+pub(super) fn draw(picture: &Picture) -> Option<Frame> {
+    let surface = Surface::new(picture);
+    if surface.is_empty() {
+        return None;
+    }
+    let range = range(picture, &surface);
+    let mut raster = Raster::new(
+        FINER * picture.width as usize,
+        FINER * picture.height as usize,
+        BACKGROUND,
+    );
+    let painter = Painter::new(picture, &surface, range);
+    painter.draw_facets(&mut raster);
+    painter.draw_bars(&mut raster);
+    let mut frame = Frame {
+        width: picture.width as usize,
+        height: picture.height as usize,
+        pixels: raster.reduced(FINER),
+    };
+    let size = font_size(picture);
+    write(&mut frame, [MARGIN, MARGIN / 2], &picture.title, size, INK);
+    match range {
+        Some(range) => draw_scale(&mut frame, picture, range),
+        None => draw_sets(&mut frame, picture),
+    }
+    Some(frame)
+}
+
+/// The numbers at the ends of the colours.
+fn range(picture: &Picture, surface: &Surface) -> Option<[f64; 2]> {
+    let [low, high] = surface.range(picture)?;
+    Some(match (picture.range, picture.colours) {
+        (Some(range), _) => range,
+        (None, ColourMap::BlueRed) => {
+            let most = low.abs().max(high.abs());
+            [-most, most]
+        }
+        (None, _) => [low, high],
+    })
+}
+
+fn font_size(picture: &Picture) -> usize {
+    if picture.width.min(picture.height) < 500 {
+        1
+    } else {
+        2
+    }
+}
+
+/// From numbers and positions to colours and pixels.
+struct Painter<'a> {
+    picture: &'a Picture<'a>,
+    surface: &'a Surface,
+    colours_of_sets: Vec<Rgb>,
+    range: [f64; 2],
+    axes: [Vec3; 3],
+    middle: Vec3,
+    /// Pixels (of the finer raster) per metre.
+    pixels_per_metre: f64,
+    /// Where `middle` stands (pixels).
+    centre: [f64; 2],
+    lift: f64,
+}
+
+impl<'a> Painter<'a> {
+    fn new(picture: &'a Picture, surface: &'a Surface, range: Option<[f64; 2]>) -> Self {
+        let axes = picture.view.axes();
+        let mut low = Vec3::repeat(f64::INFINITY);
+        let mut high = -low;
+        for node in surface.nodes(picture.mesh) {
+            let position = surface.positions[node as usize];
+            let seen = Vec3::from_fn(|i, _| axes[i].dot(&position));
+            (low, high) = (low.inf(&seen), high.sup(&seen));
+        }
+        let seen = 0.5 * (low + high);
+        let top = MARGIN
+            + if picture.title.is_empty() {
+                0
+            } else {
+                HEIGHT * 2 + 8
+            };
+        let width = (picture.width as usize)
+            .saturating_sub(2 * MARGIN + SIDE)
+            .max(16);
+        let height = (picture.height as usize)
+            .saturating_sub(top + MARGIN)
+            .max(16);
+        let size = high - low;
+        let fits = |pixels: usize, metres: f64| (FINER * pixels) as f64 / metres;
+        let pixels_per_metre = fits(width, size.x).min(fits(height, size.y));
+        Self {
+            picture,
+            surface,
+            colours_of_sets: colours_of_sets(picture.mesh),
+            range: range.unwrap_or([0.0, 1.0]),
+            middle: axes[0] * seen.x + axes[1] * seen.y + axes[2] * seen.z,
+            axes,
+            pixels_per_metre: if pixels_per_metre.is_finite() {
+                pixels_per_metre
+            } else {
+                1.0
+            },
+            centre: [
+                (FINER * MARGIN) as f64 + 0.5 * (FINER * width) as f64,
+                (FINER * top) as f64 + 0.5 * (FINER * height) as f64,
+            ],
+            lift: LIFT * size.norm(),
+        }
+    }
+
+    fn point(&self, node: u32, value: f64) -> Point {
+        let [right, up, away] = self.axes;
+        let from_middle = self.surface.positions[node as usize] - self.middle;
+        Point {
+            x: self.centre[0] + self.pixels_per_metre * right.dot(&from_middle),
+            y: self.centre[1] - self.pixels_per_metre * up.dot(&from_middle),
+            depth: away.dot(&from_middle),
+            value,
+        }
+    }
+
+    fn value(&self, element: u32, node: u32) -> f64 {
+        match self.picture.field {
+            PictureField::Sets => 0.0,
+            PictureField::Nodal(values) => values[node as usize],
+            PictureField::Elemental(values) => values[element as usize],
+        }
+    }
+
+    fn colour(&self, element: u32, value: f64) -> Rgb {
+        if self.picture.field == PictureField::Sets {
+            return self.colours_of_sets[element as usize];
+        }
+        let [low, high] = self.range;
+        // Halves, so that the difference of two huge numbers stays finite.
+        let width = 0.5 * high - 0.5 * low;
+        let share = if width > 0.0 {
+            (0.5 * value - 0.5 * low) / width
+        } else {
+            0.5
+        };
+        self.picture.colours.colour(share)
+    }
+
+    fn draw_facets(&self, raster: &mut Raster) {
+        let mesh = self.picture.mesh;
+        let [right, up, away] = self.axes;
+        let light = (0.45 * up - 0.3 * right - away).normalize();
+        let corners = |element: u32, nodes: &[u32]| -> Vec<Point> {
+            let point = |&node: &u32| self.point(node, self.value(element, node));
+            nodes.iter().map(point).collect()
+        };
+        for &facet in &self.surface.facets {
+            let nodes = mesh.facet_nodes(facet);
+            let position = |i: usize| self.surface.positions[nodes[i] as usize];
+            let last = nodes.len() - 1;
+            let normal = (position(2) - position(0)).cross(&(position(last) - position(1)));
+            let shine = normal
+                .try_normalize(0.0)
+                .map_or(0.0, |n| n.dot(&light).abs());
+            let factor = SHADE + (1.0 - SHADE) * shine;
+            let corners = corners(facet.element, &nodes);
+            for i in 1..last {
+                raster.triangle([corners[0], corners[i], corners[i + 1]], |value| {
+                    darkened(self.colour(facet.element, value), factor)
+                });
+            }
+        }
+        if !self.picture.edges {
+            return;
+        }
+        for &facet in &self.surface.facets {
+            let corners = corners(facet.element, &mesh.facet_nodes(facet));
+            for i in 0..corners.len() {
+                let mut ends = [corners[i], corners[(i + 1) % corners.len()]];
+                ends.iter_mut().for_each(|end| end.depth -= self.lift);
+                // Each inner edge is drawn twice.
+                raster.line(ends, 0.3, |_| INK);
+            }
+        }
+    }
+
+    fn draw_bars(&self, raster: &mut Raster) {
+        for &bar in &self.surface.bars {
+            let nodes = self.picture.mesh.nodes_of(bar);
+            let ends = [nodes[0], nodes[1]].map(|node| {
+                let mut end = self.point(node, self.value(bar, node));
+                end.depth -= self.lift;
+                end
+            });
+            for [right, down] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]] {
+                let moved = ends.map(|end| Point {
+                    x: end.x + right,
+                    y: end.y + down,
+                    ..end
+                });
+                raster.line(moved, 1.0, |value| darkened(self.colour(bar, value), 0.8));
+            }
+        }
+    }
+}
+
+/// The scale of colours with round numbers, at the right.
+fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
+    let size = font_size(picture);
+    let line = HEIGHT * size;
+    let top = MARGIN + 3 * line;
+    let bottom = frame.height.saturating_sub(2 * MARGIN).max(top + 2);
+    let left = frame.width.saturating_sub(SIDE - 16);
+    let scale = Scale::new(low, high, 12, false);
+    let mut label = picture.label.clone();
+    if scale.exponent != 0 {
+        label.push_str(&format!(" x10^{}", scale.exponent));
+    }
+    let wide = text_width(&label, size);
+    let start = frame.width.saturating_sub(wide + MARGIN / 2);
+    write(frame, [start, MARGIN + line / 2], &label, size, INK);
+    // With equal ends the axis is wider than the colours; all of it has the one in the middle.
+    let flat = low == high;
+    for row in top..=bottom {
+        let share = (bottom - row) as f64 / (bottom - top) as f64;
+        let colour = picture.colours.colour(if flat { 0.5 } else { share });
+        frame.fill([left, row], [BAR, 1], colour);
+    }
+    for &mark in &scale.marks {
+        let share = scale.share_of_mark(mark).clamp(0.0, 1.0);
+        let row = bottom - (share * (bottom - top) as f64).round() as usize;
+        frame.fill([left + BAR, row], [6, 1], INK);
+        let text = scale.text(mark);
+        write(
+            frame,
+            [left + BAR + 10, row.saturating_sub(line / 2)],
+            &text,
+            size,
+            INK,
+        );
+    }
+}
+
+/// The names of the element sets with their colours, at the right.
+fn draw_sets(frame: &mut Frame, picture: &Picture) {
+    let size = font_size(picture);
+    let line = HEIGHT * size;
+    let left = frame.width.saturating_sub(SIDE - 8);
+    for (number, name) in picture.mesh.element_sets().keys().enumerate() {
+        let row = MARGIN + 3 * line + number * 2 * line;
+        frame.fill([left, row], [line, line], set_colour(Some(number)));
+        write(frame, [left + line + 6, row], name, size, INK);
+    }
+}
+
+impl Frame {
+    /// Fills a rectangle, as far as it lies in the picture.
+    pub(super) fn fill(&mut self, [left, top]: [usize; 2], [wide, high]: [usize; 2], colour: Rgb) {
+        for row in top..(top + high).min(self.height) {
+            for column in left..(left + wide).min(self.width) {
+                self.pixels[row * self.width + column] = colour;
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What of a mesh is in sight, and its numbers.
+
+use powerhouse_model::{Facet, Mesh, Vec3};
+
+use super::colour::{Rgb, set_colour};
+use super::{Picture, PictureField};
+
+/// The surface that is drawn.
+pub(super) struct Surface {
+    pub(super) facets: Vec<Facet>,
+    /// Elements without sides: bars.
+    pub(super) bars: Vec<u32>,
+    /// Positions of all nodes (m), moved if they are to be.
+    pub(super) positions: Vec<Vec3>,
+}
+
+impl Surface {
+    pub(super) fn new(picture: &Picture) -> Self {
+        let mesh = picture.mesh;
+        let in_sight = |element: u32| {
+            picture.section.as_ref().is_none_or(|section| {
+                (mesh.centroid(element) - section.point).dot(&section.normal) <= 0.0
+            })
+        };
+        let elements = 0..mesh.element_count() as u32;
+        let bars = elements.filter(|&e| mesh.kind(e).sides().is_empty() && in_sight(e));
+        let mut positions = mesh.positions().to_vec();
+        if let Some(deformation) = &picture.deformation {
+            for (position, displacement) in positions.iter_mut().zip(deformation.displacement) {
+                *position += displacement * deformation.factor;
+            }
+        }
+        Self {
+            facets: mesh.boundary_facets_of(in_sight),
+            bars: bars.collect(),
+            positions,
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.facets.is_empty() && self.bars.is_empty()
+    }
+
+    /// The nodes in sight, some of them several times.
+    pub(super) fn nodes<'a>(&'a self, mesh: &'a Mesh) -> impl Iterator<Item = u32> + 'a {
+        let of_facets = self
+            .facets
+            .iter()
+            .flat_map(|&facet| mesh.facet_nodes(facet));
+        let of_bars = self.bars.iter().flat_map(|&bar| mesh.nodes_of(bar));
+        of_facets.chain(of_bars.copied())
+    }
+
+    /// Least and greatest number of the field in sight; none for a picture of sets.
+    pub(super) fn range(&self, picture: &Picture) -> Option<[f64; 2]> {
+        let spread = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                [low.min(value), high.max(value)]
+            })
+        };
+        match picture.field {
+            PictureField::Sets => None,
+            PictureField::Nodal(values) => Some(spread(
+                &mut self.nodes(picture.mesh).map(|node| values[node as usize]),
+            )),
+            PictureField::Elemental(values) => {
+                let facets = self.facets.iter().map(|facet| facet.element);
+                let elements = facets.chain(self.bars.iter().copied());
+                Some(spread(&mut elements.map(|e| values[e as usize])))
+            }
+        }
+    }
+}
+
+/// The colour of each element's set; of several, the first by name.
+pub(super) fn colours_of_sets(mesh: &Mesh) -> Vec<Rgb> {
+    let mut colours = vec![set_colour(None); mesh.element_count()];
+    for (number, elements) in mesh.element_sets().values().enumerate().rev() {
+        for &element in elements {
+            colours[element as usize] = set_colour(Some(number));
+        }
+    }
+    colours
+}

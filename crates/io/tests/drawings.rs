@@ -1,0 +1,291 @@
+//! Plots and pictures show what they are given.
+
+use std::path::PathBuf;
+
+use powerhouse_io::{
+    ColourMap, Deformation, IoError, Picture, PictureField, PictureView, Plot, SectionPlane,
+    TableColumn, write_picture, write_plot,
+};
+use powerhouse_model::{ElementKind, Mesh, Vec3};
+
+fn folder(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("powerhouse-draw-{}-{name}", std::process::id()))
+}
+
+fn cube() -> Mesh {
+    Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(2.0), [2, 2, 2], "rock").unwrap()
+}
+
+/// Width, height and pixels of a PNG.
+fn decoded(file: &PathBuf) -> (usize, usize, Vec<[u8; 3]>) {
+    let content = std::io::BufReader::new(std::fs::File::open(file).unwrap());
+    let mut reader = png::Decoder::new(content).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let pixels = bytes.chunks(3).map(|p| [p[0], p[1], p[2]]).collect();
+    (info.width as usize, info.height as usize, pixels)
+}
+
+/// Seen from the front, without edges and shades of other faces: the colour in the middle.
+fn middle(picture: &Picture, name: &str) -> [u8; 3] {
+    let folder = folder(name);
+    let file = folder.join("one.png");
+    write_picture(&file, picture).unwrap();
+    let (width, height, pixels) = decoded(&file);
+    std::fs::remove_dir_all(folder).unwrap();
+    assert_eq!(
+        (width, height),
+        (picture.width as usize, picture.height as usize)
+    );
+    // The body stands left of the scale of colours.
+    pixels[height * 11 / 20 * width + (width - 130) * 11 / 20]
+}
+
+fn from_front<'a>(mesh: &'a Mesh, field: PictureField<'a>) -> Picture<'a> {
+    let mut picture = Picture::new(mesh, field, "v (m/s)");
+    picture.view = PictureView::along(Vec3::y());
+    picture.edges = false;
+    picture.colours = ColourMap::Grey;
+    (picture.width, picture.height) = (330, 200);
+    picture
+}
+
+/// A section shows the elements behind it, and only those.
+#[test]
+fn a_section_opens_the_body() {
+    let mesh = cube();
+    let layer: Vec<f64> = (0..8).map(|e| mesh.centroid(e).y.floor()).collect();
+    let mut picture = from_front(&mesh, PictureField::Elemental(&layer));
+    picture.range = Some([0.0, 1.0]);
+    let whole = middle(&picture, "whole");
+    picture.section = Some(SectionPlane {
+        point: Vec3::new(0.0, 1.0, 0.0),
+        normal: -Vec3::y(),
+    });
+    let cut = middle(&picture, "cut");
+    // The dark end in front, the light end behind, under the same light.
+    assert!(whole[0] < 45 && cut[0] > 150, "{whole:?} {cut:?}");
+    assert!((f64::from(whole[0]) / f64::from(cut[0]) - 40.0 / 235.0).abs() < 0.02);
+    picture.section = Some(SectionPlane {
+        point: Vec3::repeat(-1.0),
+        normal: Vec3::x(),
+    });
+    let error = write_picture("never.png".as_ref(), &picture).unwrap_err();
+    assert!(matches!(error, IoError::NothingToDraw { .. }), "{error}");
+}
+
+/// Numbers at nodes are interpolated, and the colours run from the least to the greatest in sight.
+#[test]
+fn nodal_numbers_are_interpolated() {
+    let mesh = cube();
+    let along: Vec<f64> = mesh.positions().iter().map(|p| 3.0 + p.x).collect();
+    let picture = from_front(&mesh, PictureField::Nodal(&along));
+    let folder = folder("nodal");
+    let file = folder.join("one.png");
+    write_picture(&file, &picture).unwrap();
+    let (width, height, pixels) = decoded(&file);
+    std::fs::remove_dir_all(folder).unwrap();
+    let row = &pixels[height / 2 * width..][..width - 130];
+    let body: Vec<u8> = row
+        .iter()
+        .filter(|p| **p != [255; 3])
+        .map(|p| p[0])
+        .collect();
+    assert!(body.len() > 100);
+    assert!(
+        body.windows(2).all(|pair| pair[0] <= pair[1] + 1),
+        "{body:?}"
+    );
+    let (first, last) = (f64::from(body[2]), f64::from(body[body.len() - 3]));
+    assert!((first / last - 40.0 / 235.0).abs() < 0.04, "{first} {last}");
+}
+
+/// A displacement moves the nodes by its factor.
+#[test]
+fn a_displacement_moves_the_body() {
+    let mesh = cube();
+    // Stretched to twice its width, the body fills another part of the picture.
+    let stretch: Vec<Vec3> = mesh
+        .positions()
+        .iter()
+        .map(|p| Vec3::x() * p.x * 0.1)
+        .collect();
+    let filled = |deformation| {
+        let mut picture = from_front(&mesh, PictureField::Sets);
+        picture.deformation = deformation;
+        let folder = folder("moved");
+        let file = folder.join("one.png");
+        write_picture(&file, &picture).unwrap();
+        let (width, height, pixels) = decoded(&file);
+        std::fs::remove_dir_all(folder).unwrap();
+        let drawn = |x: usize, y: usize| pixels[y * width + x] != [255; 3];
+        let wide = (0..width - 130)
+            .filter(|&x| drawn(x, height * 11 / 20))
+            .count();
+        let high = (0..height)
+            .filter(|&y| drawn((width - 130) * 11 / 20, y))
+            .count();
+        wide as f64 / high as f64
+    };
+    let displacement = stretch.as_slice();
+    let moved = filled(Some(Deformation {
+        displacement,
+        factor: 5.0,
+    }));
+    assert!((moved / filled(None) - 1.5).abs() < 0.05, "{moved}");
+}
+
+/// Bars are drawn too.
+#[test]
+fn bars_are_drawn() {
+    let mut builder = Mesh::builder();
+    builder.node(1, Vec3::zeros());
+    builder.node(2, Vec3::new(2.0, 0.0, 1.0));
+    builder.element(1, ElementKind::Bar2, &[1, 2], &["bolt"]);
+    let mesh = builder.build().unwrap();
+    let picture = from_front(&mesh, PictureField::Elemental(&[1.0]));
+    let folder = folder("bars");
+    let file = folder.join("one.png");
+    write_picture(&file, &picture).unwrap();
+    let (width, height, pixels) = decoded(&file);
+    std::fs::remove_dir_all(folder).unwrap();
+    let drawn = |x: usize| (0..height).any(|y| pixels[y * width + x] != [255; 3]);
+    assert!((40..160).all(drawn));
+}
+
+/// Settings and fields that cannot be drawn are refused by name, and nothing is written.
+#[test]
+fn faulty_pictures_are_refused() {
+    let mesh = cube();
+    let file = folder("faulty").join("never.png");
+    let short = Picture::new(&mesh, PictureField::Nodal(&[1.0]), "speed");
+    let error = write_picture(&file, &short).unwrap_err();
+    assert!(matches!(error, IoError::Length { found: 1, .. }), "{error}");
+    let mut values = vec![0.0; 27];
+    values[13] = f64::NAN;
+    let nan = Picture::new(&mesh, PictureField::Nodal(&values), "speed");
+    let message = write_picture(&file, &nan).unwrap_err().to_string();
+    assert!(
+        message.contains("'speed'") && message.contains("place 13"),
+        "{message}"
+    );
+    let sound = Picture::new(&mesh, PictureField::Sets, "");
+    let mut faulty = [(); 5].map(|()| sound.clone());
+    faulty[0].width = 1_000_000;
+    faulty[1].height = 0;
+    faulty[2].view.direction = Vec3::zeros();
+    faulty[3].range = Some([1.0, 0.0]);
+    faulty[4].section = Some(SectionPlane {
+        point: Vec3::zeros(),
+        normal: Vec3::repeat(f64::NAN),
+    });
+    for picture in &faulty {
+        let error = write_picture(&file, picture).unwrap_err();
+        assert!(matches!(error, IoError::Setting { .. }), "{error}");
+    }
+    assert!(!file.exists());
+}
+
+fn table() -> Vec<TableColumn> {
+    let times: Vec<f64> = (0..200).map(|i| 0.01 * f64::from(i)).collect();
+    let of = |f: fn(f64) -> f64| times.iter().map(|&t| f(t)).collect::<Vec<_>>();
+    vec![
+        TableColumn::new("time", "s", times.clone()),
+        TableColumn::new("a<b & \"c\"", "m", of(|t| 0.003 * t.sin())),
+        TableColumn::new("floor", "m", of(|t| 0.001 * t.cos())),
+        TableColumn::new("crown", "m/s", of(|t| 2.5 * t)),
+    ]
+}
+
+/// A plot has a panel per unit, names every curve and unit, and is sound XML.
+#[test]
+fn a_plot_names_what_it_shows() {
+    let folder = folder("plot");
+    let file = folder.join("histories.svg");
+    let table = table();
+    write_plot(&file, &Plot::of_table("a run", &table)).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::remove_dir_all(folder).unwrap();
+    for part in [
+        "a&lt;b &amp; &quot;c&quot;",
+        "floor",
+        "crown",
+        "(10⁻³ m)",
+        "(m/s)",
+        "time (s)",
+        "prefers-color-scheme:dark",
+    ] {
+        assert!(text.contains(part), "{part}");
+    }
+    assert_eq!(text.matches("class=\"frame\"").count(), 2);
+    assert_eq!(
+        text.matches("<text").count(),
+        text.matches("</text>").count()
+    );
+    assert!(!text.contains("NaN") && !text.contains("inf"));
+}
+
+/// The last point of a curve stands where the axes say.
+#[test]
+fn a_curve_stands_where_the_axes_say() {
+    let folder = folder("line");
+    let file = folder.join("line.svg");
+    let table = [
+        TableColumn::new("x", "m", vec![0.0, 10.0]),
+        TableColumn::new("y", "m", vec![0.0, 4.0]),
+    ];
+    write_plot(&file, &Plot::of_table("", &table)).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::remove_dir_all(folder).unwrap();
+    let numbers = |part: &str| -> Vec<f64> {
+        let words = part.split([' ', 'M', 'v', 'h', '"']);
+        words.filter_map(|word| word.parse().ok()).collect()
+    };
+    let line = |mark: &str| {
+        text.lines()
+            .filter(|l| l.contains(mark))
+            .next_back()
+            .unwrap()
+    };
+    let curve = numbers(line("c0\" d=\"M").split("d=").nth(1).unwrap());
+    // The last horizontal and vertical lines of the grid are those of 4 and 10.
+    let mut grid = text.lines().filter(|l| l.starts_with("<path class=\"grid"));
+    let vertical = grid
+        .clone()
+        .filter(|l| l.contains('v') && !l.contains("<text"));
+    let right = numbers(vertical.last().unwrap().split("d=").nth(1).unwrap())[0];
+    let top = grid.rfind(|l| l.contains("<text")).unwrap();
+    let top = numbers(top.split("d=").nth(1).unwrap().split("/>").next().unwrap())[1];
+    assert_eq!(curve.len(), 4);
+    assert!(
+        (curve[2] - right).abs() < 0.02 && (curve[3] - top).abs() < 0.02,
+        "{curve:?} {right} {top}"
+    );
+}
+
+/// Curves that cannot be drawn are refused by name.
+#[test]
+fn faulty_plots_are_refused() {
+    let file = folder("faulty-plot").join("never.svg");
+    let mut nan = table();
+    nan[2].values[7] = f64::INFINITY;
+    let message = write_plot(&file, &Plot::of_table("", &nan))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("'floor'") && message.contains("place 7"),
+        "{message}"
+    );
+    let mut short = table();
+    short[3].values.pop();
+    let error = write_plot(&file, &Plot::of_table("", &short)).unwrap_err();
+    assert!(
+        matches!(error, IoError::Length { found: 199, .. }),
+        "{error}"
+    );
+    for nothing in [&[][..], &[TableColumn::new("time", "s", vec![])][..]] {
+        let error = write_plot(&file, &Plot::of_table("", nothing)).unwrap_err();
+        assert!(matches!(error, IoError::NothingToDraw { .. }), "{error}");
+    }
+    assert!(!file.exists());
+}
