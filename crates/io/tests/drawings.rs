@@ -241,19 +241,14 @@ fn a_curve_stands_where_the_axes_say() {
         let words = part.split([' ', 'M', 'v', 'h', '"']);
         words.filter_map(|word| word.parse().ok()).collect()
     };
-    let line = |mark: &str| {
-        text.lines()
-            .filter(|l| l.contains(mark))
-            .next_back()
-            .unwrap()
-    };
+    let line = |mark: &str| text.lines().rfind(|l| l.contains(mark)).unwrap();
     let curve = numbers(line("c0\" d=\"M").split("d=").nth(1).unwrap());
     // The last horizontal and vertical lines of the grid are those of 4 and 10.
     let mut grid = text.lines().filter(|l| l.starts_with("<path class=\"grid"));
-    let vertical = grid
+    let mut vertical = grid
         .clone()
         .filter(|l| l.contains('v') && !l.contains("<text"));
-    let right = numbers(vertical.last().unwrap().split("d=").nth(1).unwrap())[0];
+    let right = numbers(vertical.next_back().unwrap().split("d=").nth(1).unwrap())[0];
     let top = grid.rfind(|l| l.contains("<text")).unwrap();
     let top = numbers(top.split("d=").nth(1).unwrap().split("/>").next().unwrap())[1];
     assert_eq!(curve.len(), 4);

@@ -50,6 +50,14 @@ impl Mesh {
 
     /// The surface of a part of the mesh, as [`boundary_facets`](Self::boundary_facets): sides of
     /// the elements chosen that lie on no other element chosen.
+    ///
+    /// ```
+    /// use powerhouse_model::{Mesh, Vec3};
+    /// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 1.0, 1.0), [2, 1, 1], "rock")?;
+    /// assert_eq!(mesh.boundary_facets().len(), 10);
+    /// assert_eq!(mesh.boundary_facets_of(|element| element == 0).len(), 6);
+    /// # Ok::<(), powerhouse_model::MeshError>(())
+    /// ```
     pub fn boundary_facets_of(&self, chosen: impl Fn(u32) -> bool) -> Vec<Facet> {
         SideTable::of(self, |facet| chosen(facet.element)).alone(self)
     }
