@@ -6,37 +6,40 @@ use rayon::prelude::*;
 use crate::gather::CHUNK;
 use crate::nodes::Storage;
 
-/// Which load, and which of its entries.
-type Entry = (u32, u32);
-
-/// Entries of some keys (nodes or groups), in rising order of keys and of loads.
+/// Places of forces that act on the same key (node or group), in rising order of keys and loads.
 #[derive(Default)]
-struct Entries {
+struct Places {
     keys: Vec<u32>,
     offsets: Vec<u32>,
-    entries: Vec<Entry>,
+    places: Vec<u32>,
 }
 
-impl Entries {
-    fn new(mut all: Vec<(u32, Entry)>) -> Self {
-        all.sort_unstable();
-        let mut list = Self::default();
-        for (key, entry) in all {
-            if list.keys.last() != Some(&key) {
-                list.keys.push(key);
-                list.offsets.push(list.entries.len() as u32);
+impl Places {
+    /// From pairs of key and place; with `all` keys from zero to it, else those that occur.
+    fn new(mut pairs: Vec<(u32, u32)>, all: Option<u32>) -> Self {
+        pairs.sort_unstable();
+        let keys = match all {
+            Some(count) => (0..count).collect(),
+            None => {
+                let mut keys: Vec<u32> = pairs.iter().map(|&(key, _)| key).collect();
+                keys.dedup();
+                keys
             }
-            list.entries.push(entry);
+        };
+        let start = |key: u32| pairs.partition_point(|&(k, _)| k < key) as u32;
+        let mut offsets: Vec<u32> = keys.iter().map(|&key| start(key)).collect();
+        offsets.push(pairs.len() as u32);
+        Self {
+            keys,
+            offsets,
+            places: pairs.into_iter().map(|(_, place)| place).collect(),
         }
-        list.offsets.push(list.entries.len() as u32);
-        list
     }
-    fn sum(&self, place: usize, forces: &[Vec<Vec3>]) -> Vec3 {
-        let range = self.offsets[place] as usize..self.offsets[place + 1] as usize;
-        self.entries[range]
-            .iter()
-            .map(|&(load, index)| forces[load as usize][index as usize])
-            .sum()
+    #[inline]
+    fn sum(&self, key_place: usize, forces: &[Vec3]) -> Vec3 {
+        let range = self.offsets[key_place] as usize..self.offsets[key_place + 1] as usize;
+        let places = self.places[range].iter();
+        places.fold(Vec3::zeros(), |sum, &place| sum + forces[place as usize])
     }
 }
 
@@ -47,18 +50,18 @@ pub(crate) struct AppliedLoads {
     pub(crate) sums: LoadSums,
 }
 
-/// Forces of all loads, and which of them act on what.
+/// Forces of all loads, one load behind the other, and what they act on.
 #[derive(Default)]
 pub(crate) struct LoadSums {
-    /// Forces of each load (N) at the time of the last evaluation.
-    forces: Vec<Vec<Vec3>>,
-    plain: Entries,
-    grouped: Entries,
-    /// Place in `grouped` of each group, or `NONE`.
-    place_of_group: Vec<u32>,
+    /// Engine node of each force.
+    nodes: Vec<u32>,
+    /// Forces (N) at the time of the last evaluation.
+    forces: Vec<Vec3>,
+    /// How many forces each load has.
+    lengths: Vec<usize>,
+    plain: Places,
+    grouped: Places,
 }
-
-const NONE: u32 = u32::MAX;
 
 impl AppliedLoads {
     /// From loads with the engine numbers of their nodes; `group_of` gives the group of a node.
@@ -67,30 +70,21 @@ impl AppliedLoads {
         group_of: &[Option<u32>],
         group_count: usize,
     ) -> Self {
+        let lengths: Vec<usize> = loads.iter().map(|(_, nodes)| nodes.len()).collect();
+        let nodes: Vec<u32> = loads.iter().flat_map(|(_, nodes)| nodes).copied().collect();
         let (mut plain, mut grouped) = (Vec::new(), Vec::new());
-        for (load, (_, nodes)) in loads.iter().enumerate() {
-            for (index, &node) in nodes.iter().enumerate() {
-                let entry = (load as u32, index as u32);
-                match group_of[node as usize] {
-                    Some(group) => grouped.push((group, entry)),
-                    None => plain.push((node, entry)),
-                }
+        for (place, &node) in nodes.iter().enumerate() {
+            match group_of[node as usize] {
+                Some(group) => grouped.push((group, place as u32)),
+                None => plain.push((node, place as u32)),
             }
         }
-        let grouped = Entries::new(grouped);
-        let mut place_of_group = vec![NONE; group_count];
-        for (place, &group) in grouped.keys.iter().enumerate() {
-            place_of_group[group as usize] = place as u32;
-        }
-        let forces = loads
-            .iter()
-            .map(|(_, nodes)| vec![Vec3::zeros(); nodes.len()])
-            .collect();
         let sums = LoadSums {
-            forces,
-            plain: Entries::new(plain),
-            grouped,
-            place_of_group,
+            forces: vec![Vec3::zeros(); nodes.len()],
+            nodes,
+            lengths,
+            plain: Places::new(plain, None),
+            grouped: Places::new(grouped, Some(group_count as u32)),
         };
         Self {
             loads: loads.into_iter().map(|(load, _)| load).collect(),
@@ -100,9 +94,10 @@ impl AppliedLoads {
 
     /// Evaluates every load at a time (s).
     pub(crate) fn evaluate(&mut self, time: f64) {
+        let buffers = split(&mut self.sums.forces, &self.sums.lengths);
         self.loads
             .par_iter_mut()
-            .zip(&mut self.sums.forces)
+            .zip(buffers)
             .with_max_len(1)
             .for_each(|(load, forces)| {
                 forces.fill(Vec3::zeros());
@@ -140,9 +135,31 @@ impl LoadSums {
     /// The sum on a group (N).
     #[inline]
     pub(crate) fn on_group(&self, group: usize) -> Vec3 {
-        match self.place_of_group[group] {
-            NONE => Vec3::zeros(),
-            place => self.grouped.sum(place as usize, &self.forces),
-        }
+        self.grouped.sum(group, &self.forces)
     }
+
+    /// The power (W) of all loads at velocities (m/s), summed in a fixed order.
+    pub(crate) fn power(&self, velocity: impl Fn(usize) -> Vec3 + Sync) -> f64 {
+        let chunks: Vec<f64> = (self.nodes.par_chunks(CHUNK))
+            .zip(self.forces.par_chunks(CHUNK))
+            .map(|(nodes, forces)| {
+                let pairs = nodes.iter().zip(forces);
+                pairs.map(|(&n, f)| f.dot(&velocity(n as usize))).sum()
+            })
+            .collect();
+        chunks.iter().sum()
+    }
+}
+
+/// Cuts a buffer into consecutive pieces.
+pub(crate) fn split<'a, T>(buffer: &'a mut [T], lengths: &[usize]) -> Vec<&'a mut [T]> {
+    let mut rest = buffer;
+    lengths
+        .iter()
+        .map(|&length| {
+            let (own, others) = core::mem::take(&mut rest).split_at_mut(length);
+            rest = others;
+            own
+        })
+        .collect()
 }

@@ -108,12 +108,39 @@ impl GroupMotion {
     }
 }
 
+/// What the kick of a group needs if all its matrices are diagonal and it has one member, as
+/// on the faces of a box: a line and a half of cache instead of eight.
+#[derive(Clone, Copy, Debug)]
+struct Light {
+    lead: u32,
+    diagonal: bool,
+    carry: Vec3,
+    /// `P` times the step (s/kg).
+    response: Vec3,
+    spring: Vec3,
+}
+
+impl Light {
+    fn new(group: &Group, matrices: &Coefficients, step: f64) -> Self {
+        let is_diagonal = |m: &Mat3| *m == Mat3::from_diagonal(&m.diagonal());
+        let all = [&matrices.carry, &matrices.inverse, &group.spring];
+        Self {
+            lead: group.members[0],
+            diagonal: group.members.len() == 1 && all.into_iter().all(is_diagonal),
+            carry: matrices.carry.diagonal(),
+            response: matrices.inverse.diagonal() * step,
+            spring: group.spring.diagonal(),
+        }
+    }
+}
+
 /// All groups of a model, with the matrices of the step in use.
 #[derive(Default)]
 pub(crate) struct Groups {
     pub(crate) groups: Vec<Group>,
     pub(crate) motion: GroupMotion,
     pub(crate) coefficients: Vec<Coefficients>,
+    light: Vec<Light>,
     /// Displacement (m) from which the springs are measured.
     pub(crate) origin: Vec<Vec3>,
     /// Groups with a prescribed motion.
@@ -125,6 +152,7 @@ impl Groups {
         Self {
             motion: GroupMotion::new(&groups, node_count),
             coefficients: Vec::new(),
+            light: Vec::new(),
             origin: vec![Vec3::zeros(); groups.len()],
             driven: (0..groups.len() as u32)
                 .filter(|&g| !groups[g as usize].condition.prescribed.is_empty())
@@ -140,6 +168,9 @@ impl Groups {
             .par_iter()
             .map(|group| group.coefficients(rule, step))
             .collect();
+        self.light = (self.groups.iter().zip(&self.coefficients))
+            .map(|(group, matrices)| Light::new(group, matrices, step))
+            .collect();
     }
 
     /// Predicts the velocity of every group from the forces on it.
@@ -154,6 +185,7 @@ impl Groups {
             groups,
             motion,
             coefficients,
+            light,
             origin,
             ..
         } = self;
@@ -161,19 +193,27 @@ impl Groups {
             .next
             .par_iter_mut()
             .zip(&mut motion.previous)
+            .zip(light)
+            .zip(origin)
             .enumerate()
-            .with_min_len(64)
-            .for_each(|(g, (next, previous))| {
-                let (group, matrices) = (&groups[g], &coefficients[g]);
-                let lead = group.members[0] as usize;
-                let mut force = applied(g);
-                for &node in &group.members {
-                    force -= arrays.internal(slots, node as usize);
-                }
-                let stretch = arrays.displacement[lead].to_vector() - origin[g];
-                force -= group.spring * stretch;
+            .with_min_len(256)
+            .for_each(|(g, (((next, previous), light), origin))| {
+                let lead = light.lead as usize;
+                let mut force = applied(g) - arrays.internal(slots, lead);
+                let stretch = arrays.displacement[lead].to_vector() - *origin;
                 *previous = arrays.velocity[lead].to_vector();
-                *next = matrices.carry * *previous + matrices.inverse * (force * step);
+                if light.diagonal {
+                    force -= light.spring.component_mul(&stretch);
+                    *next =
+                        light.carry.component_mul(previous) + light.response.component_mul(&force);
+                } else {
+                    let (group, matrices) = (&groups[g], &coefficients[g]);
+                    for &node in &group.members[1..] {
+                        force -= arrays.internal(slots, node as usize);
+                    }
+                    force -= group.spring * stretch;
+                    *next = matrices.carry * *previous + matrices.inverse * (force * step);
+                }
             });
     }
 

@@ -126,43 +126,27 @@ impl<S: Storage> NodalArrays<S> {
             gain,
             decay,
         } = self;
-        let (forces, external, gain, decay) = (&**forces, &**external, &**gain, &**decay);
-        let dt = S::from_f64(step);
-        let limit = S::from_f64(limit.min(S::MOST));
+        let pass = Pass {
+            gather,
+            groups,
+            forces,
+            external,
+            gain,
+            decay,
+            step: S::from_f64(step),
+            limit: S::from_f64(limit.min(S::MOST)),
+        };
+        // Wider instructions where the processor has them; they change no bit.
+        let processor = pulp::Arch::new();
         velocity
             .par_chunks_mut(CHUNK)
             .zip(displacement.par_chunks_mut(CHUNK))
             .enumerate()
             .map(|(chunk, (velocity, displacement))| {
-                let start = chunk * CHUNK;
-                let mut beyond = [false; 4];
-                // A grouped node has no gain: the loop below hands its velocity on as it is.
-                for &(node, group) in groups.members_in(chunk) {
-                    velocity[node as usize - start] =
-                        Quad::from_vector(&groups.next[group as usize]);
-                }
-                gather.for_chunk(chunk, forces, |first, sums| {
-                    let local = first - start;
-                    let range = local..local + sums.len();
-                    let nodes = first..first + sums.len();
-                    let old = &mut velocity[range.clone()];
-                    let place = &mut displacement[range];
-                    let gain = &gain[nodes.clone()];
-                    for i in 0..sums.len() {
-                        let applied = external.get(first + i).map(|quad| &quad.values);
-                        let force = total(&sums[i].values, applied);
-                        let decay = decay.get(first + i).copied();
-                        let new = kicked(&old[i].values, &force, gain[i], decay);
-                        old[i].values = new;
-                        for c in 0..4 {
-                            if DRIFT {
-                                place[i].values[c] = place[i].values[c] + dt * new[c];
-                            }
-                            beyond[c] |= !new[c].within(limit);
-                        }
-                    }
-                });
-                !beyond.contains(&true)
+                processor.dispatch(
+                    #[inline(always)]
+                    || pass.advance::<DRIFT>(chunk, velocity, displacement),
+                )
             })
             .reduce(|| true, |a, b| a && b)
     }
@@ -182,6 +166,47 @@ impl<S: Storage> NodalArrays<S> {
             });
     }
 
+    /// Sums over the plain nodes, between kick and drift, of `m v-.v+`, `c v-.v-`, `c v-.v+` and
+    /// `c v+.v+` with the masses `m` (kg) and the damping `c` (kg/s, or none), in a fixed order.
+    pub(crate) fn products(
+        &self,
+        gather: &Gather,
+        group_of: &[Option<u32>],
+        mass: &[f64],
+        damping: &[f64],
+    ) -> [f64; 4] {
+        let chunks: Vec<[f64; 4]> = (0..self.velocity.len().div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let mut sums = [0.0; 4];
+                gather.for_chunk(chunk, &self.forces, |first, internal| {
+                    for (i, internal) in internal.iter().enumerate() {
+                        let node = first + i;
+                        if group_of[node].is_some() {
+                            continue;
+                        }
+                        let before = self.velocity[node].to_vector();
+                        let after = self.next_of(node, &internal.values);
+                        let damping = damping.get(node).copied().unwrap_or(0.0);
+                        let across = before.dot(&after);
+                        sums[0] += mass[node] * across;
+                        sums[1] += damping * before.norm_squared();
+                        sums[2] += damping * across;
+                        sums[3] += damping * after.norm_squared();
+                    }
+                });
+                sums
+            })
+            .collect();
+        let mut sums = [0.0; 4];
+        for chunk in chunks {
+            for (sum, part) in sums.iter_mut().zip(chunk) {
+                *sum += part;
+            }
+        }
+        sums
+    }
+
     /// Internal force at a node (N).
     pub(crate) fn internal(&self, slots: &SlotTable, node: usize) -> Vec3 {
         slots.sum(node, &self.forces).to_vector()
@@ -189,10 +214,64 @@ impl<S: Storage> NodalArrays<S> {
 
     /// The velocity that a plain node will have after the step, same bits as [`Self::advance`].
     pub(crate) fn next_velocity(&self, slots: &SlotTable, node: usize) -> Vec3 {
-        let internal = slots.sum(node, &self.forces).values;
-        let force = total(&internal, self.external.get(node).map(|quad| &quad.values));
+        self.next_of(node, &slots.sum(node, &self.forces).values)
+    }
+
+    fn next_of(&self, node: usize, internal: &[S; 4]) -> Vec3 {
+        let force = total(internal, self.external.get(node).map(|quad| &quad.values));
         let decay = self.decay.get(node).copied();
         let new = kicked(&self.velocity[node].values, &force, self.gain[node], decay);
         Vec3::new(new[0].to_f64(), new[1].to_f64(), new[2].to_f64())
+    }
+}
+
+/// What a pass over the nodes reads.
+struct Pass<'a, S: Storage> {
+    gather: &'a Gather,
+    groups: &'a GroupMotion,
+    forces: &'a [Quad<S>],
+    external: &'a [Quad<S>],
+    gain: &'a [S],
+    decay: &'a [S],
+    step: S,
+    limit: S,
+}
+
+impl<S: Storage> Pass<'_, S> {
+    /// Advances one chunk; whether its velocities are within the limit.
+    #[inline(always)]
+    fn advance<const DRIFT: bool>(
+        &self,
+        chunk: usize,
+        velocity: &mut [Quad<S>],
+        displacement: &mut [Quad<S>],
+    ) -> bool {
+        let start = chunk * CHUNK;
+        let mut beyond = [false; 4];
+        // A grouped node has no gain: the loop below hands its velocity on as it is.
+        for &(node, group) in self.groups.members_in(chunk) {
+            velocity[node as usize - start] = Quad::from_vector(&self.groups.next[group as usize]);
+        }
+        self.gather.for_chunk(chunk, self.forces, |first, sums| {
+            let range = first - start..first - start + sums.len();
+            let velocity = &mut velocity[range.clone()];
+            let displacement = &mut displacement[range];
+            let gain = &self.gain[first..first + sums.len()];
+            for i in 0..sums.len() {
+                let applied = self.external.get(first + i).map(|quad| &quad.values);
+                let force = total(&sums[i].values, applied);
+                let decay = self.decay.get(first + i).copied();
+                let new = kicked(&velocity[i].values, &force, gain[i], decay);
+                velocity[i].values = new;
+                for c in 0..4 {
+                    if DRIFT {
+                        let place = &mut displacement[i].values[c];
+                        *place = *place + self.step * new[c];
+                    }
+                    beyond[c] |= !new[c].within(self.limit);
+                }
+            }
+        });
+        !beyond.contains(&true)
     }
 }

@@ -1,6 +1,6 @@
 //! How sets are cut into blocks, and nodes numbered so that each block owns a contiguous run.
 
-use powerhouse_model::{Mesh, Numbering};
+use powerhouse_model::{Mesh, Numbering, Vec3};
 
 use crate::EngineError;
 use crate::numbering::{Incidence, reverse_cuthill_mckee};
@@ -23,10 +23,11 @@ pub(crate) struct Partition {
 
 /// Cuts sets into parts of at most `size` elements, and numbers the nodes.
 ///
-/// Elements are ordered by their least node in reverse Cuthill-McKee order and cut; parts of all
-/// sets are put in the same order. A node belongs to the first part that touches it, and nodes
-/// are numbered part by part, so a part owns a contiguous run. Nothing here depends on the number
-/// of threads.
+/// A set is halved across its longest extent until its parts are small: compact parts share few
+/// nodes with others, and each shared node costs a slot. Within a part, elements and nodes are in
+/// reverse Cuthill-McKee order, so that the elements of a batch of lanes lie side by side. A node
+/// belongs to the first part that touches it, and nodes are numbered part by part, so a part owns
+/// a contiguous run. Nothing here depends on the number of threads.
 pub(crate) fn partition(
     mesh: &Mesh,
     labels: &[&str],
@@ -45,21 +46,67 @@ pub(crate) fn partition(
     };
     let mut parts: Vec<((u32, u32), Part)> = Vec::new();
     for (set, elements) in sets.iter().enumerate() {
-        let mut keyed: Vec<((u32, u32), u32)> = elements.iter().map(|&e| (key(e), e)).collect();
-        keyed.sort_unstable();
-        parts.extend(keyed.chunks(size.max(1)).map(|chunk| {
-            let part = Part {
-                set,
-                elements: chunk.iter().map(|&(_, e)| e).collect(),
-                nodes: Vec::new(),
-            };
-            (chunk[0].0, part)
-        }));
+        let mut placed: Vec<Placed> = (elements.iter())
+            .map(|&element| Placed {
+                centroid: mesh.centroid(element),
+                key: key(element),
+                element,
+            })
+            .collect();
+        bisect(&mut placed, elements.len().div_ceil(size), &mut |part| {
+            part.sort_unstable_by_key(|placed| (placed.key, placed.element));
+            let elements = part.iter().map(|placed| placed.element).collect();
+            let nodes = Vec::new();
+            parts.push((
+                part[0].key,
+                Part {
+                    set,
+                    elements,
+                    nodes,
+                },
+            ));
+        });
     }
     parts.sort_by_key(|(first, part)| (*first, part.set));
     let mut parts: Vec<Part> = parts.into_iter().map(|(_, part)| part).collect();
     let numbering = number_by_owner(mesh, &rank, &mut parts);
     Ok(Partition { numbering, parts })
+}
+
+/// An element with what it is sorted by.
+#[derive(Clone, Copy)]
+struct Placed {
+    centroid: Vec3,
+    /// Least and greatest rank of its nodes.
+    key: (u32, u32),
+    element: u32,
+}
+
+/// Cuts elements into a number of nearly equal parts, each cut across the longest extent.
+fn bisect(elements: &mut [Placed], parts: usize, emit: &mut impl FnMut(&mut [Placed])) {
+    if elements.is_empty() {
+        return;
+    }
+    if parts <= 1 {
+        emit(elements);
+        return;
+    }
+    let first = elements[0].centroid;
+    let (low, high) = elements.iter().fold((first, first), |(low, high), placed| {
+        (low.inf(&placed.centroid), high.sup(&placed.centroid))
+    });
+    let axis = (high - low).imax();
+    let half = parts / 2;
+    let middle = elements.len() * half / parts;
+    elements.select_nth_unstable_by(middle, |a, b| {
+        let along = a.centroid[axis].total_cmp(&b.centroid[axis]);
+        along
+            .then(a.key.cmp(&b.key))
+            .then(a.element.cmp(&b.element))
+    });
+    let (left, right) = elements.split_at_mut(middle);
+    bisect(left, half, emit);
+    bisect(right, parts - half, emit);
 }
 
 fn check_cover(mesh: &Mesh, labels: &[&str], sets: &[&[u32]]) -> Result<(), EngineError> {

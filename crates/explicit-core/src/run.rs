@@ -4,11 +4,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Cadence, Dynamics, Flow, ForceTerms, MassDampingRule, Observer, RunError, TimeIntegrator,
+    Cadence, Dynamics, Flow, ForceTerms, MassDampingRule, Observer, RunError, StepView,
+    TimeIntegrator,
 };
 
 use crate::view::View;
-use crate::{Model, StableStep};
+use crate::{Model, Precision, StableStep};
 
 /// How long a run lasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +33,33 @@ pub enum StepChoice {
     Unchecked(f64),
 }
 
+/// A check of the energy ledger while the run goes on.
+///
+/// The ledger costs time at every step: the blocks account for their dissipation, and with
+/// `by_set` each set's nodal work is booked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyCheck {
+    /// Steps between two readings.
+    pub every: u64,
+    /// Largest permitted residual over the largest energy held or put in so far; by default 1e-7
+    /// in double precision, 1e-4 in mixed, 1e-2 in single.
+    pub limit: Option<f64>,
+    /// Whether each set's balance is kept, so that a fault names its set with certainty; without,
+    /// it names the set whose energy changed most.
+    pub by_set: bool,
+}
+
+impl EnergyCheck {
+    /// A reading every so many steps, with balances by set and the default limit.
+    pub fn every(steps: u64) -> Self {
+        Self {
+            every: steps,
+            limit: None,
+            by_set: true,
+        }
+    }
+}
+
 /// What a run is to do.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -44,6 +72,9 @@ pub struct RunOptions {
     /// default the speed at which strains reach the order of one, far beyond any use of a theory
     /// of small strains: the greatest product of half an element's frequency and its diagonal.
     pub speed_limit: Option<f64>,
+    /// Whether the energy ledger is checked on the way. It is kept without a check where an
+    /// observer asks for energies. It begins with the run.
+    pub energy: Option<EnergyCheck>,
     /// Raised from outside, it ends the run after one more step; the output is complete.
     pub stop: Option<Arc<AtomicBool>>,
 }
@@ -62,6 +93,7 @@ impl RunOptions {
             length,
             step: StepChoice::Stable,
             speed_limit: None,
+            energy: None,
             stop: None,
         }
     }
@@ -75,6 +107,12 @@ impl RunOptions {
     #[must_use]
     pub fn with_speed_limit(mut self, limit: f64) -> Self {
         self.speed_limit = Some(limit);
+        self
+    }
+    /// The same with a check of the energy ledger.
+    #[must_use]
+    pub fn with_energy(mut self, check: EnergyCheck) -> Self {
+        self.energy = Some(check);
         self
     }
     /// The same with a flag that ends the run.
@@ -122,6 +160,10 @@ pub struct RunReport {
     pub stable: Option<StableStep>,
     /// Why it ended.
     pub ended: Ended,
+    /// The last reading of the energy ledger (J), by column; empty if none was kept.
+    pub energies: Vec<(&'static str, f64)>,
+    /// The largest residual of the ledger over the largest energy held or put in until then.
+    pub energy_residual: f64,
 }
 
 /// Steps a model, showing it to observers.
@@ -183,52 +225,37 @@ fn steps(
             _ => f64::MAX,
         },
     };
+    let wanted = observers.iter().any(|observer| observer.fields().energy);
+    if options.energy.is_some() || wanted {
+        model.open_ledger(options.energy.is_some_and(|check| check.by_set));
+    }
     let mut stage = Stage {
         observers,
+        energy: options.energy,
+        energies: Vec::new(),
+        residual: 0.0,
         last: false,
         stopped_by: None,
         failure: None,
         model,
     };
-    let mut ended = Ended::Completed;
-    let mut done = 0;
-    while done < planned {
-        stage.last = done + 1 == planned;
-        if options
-            .stop
-            .as_ref()
-            .is_some_and(|s| s.load(Ordering::Relaxed))
-        {
-            stage.last = true;
-            ended = Ended::Stopped;
-        }
-        integrator.step(&mut stage, step)?;
-        if let Some(failure) = stage.failure.take() {
-            return Err(failure);
-        }
-        if let Some(fault) = stage.model.fault.take() {
-            return Err(fault);
-        }
-        done += 1;
-        progress(Progress {
-            done,
-            planned,
-            time: stage.model.time(),
-        });
-        if let Some(name) = stage.stopped_by.take() {
-            ended = Ended::Observer(name);
-            break;
-        }
-        if ended == Ended::Stopped {
-            break;
-        }
-    }
+    let result = stage.play(integrator, options, step, planned, progress);
+    let Stage {
+        model,
+        energies,
+        residual,
+        ..
+    } = stage;
+    model.close_ledger();
+    let (steps, ended) = result?;
     Ok(RunReport {
-        steps: done,
+        steps,
         step,
-        time: stage.model.time(),
+        time: model.time(),
         stable,
         ended,
+        energies,
+        energy_residual: residual,
     })
 }
 
@@ -261,37 +288,119 @@ fn choose_step(
 struct Stage<'a> {
     model: &'a mut Model,
     observers: &'a mut [Box<dyn Observer>],
+    energy: Option<EnergyCheck>,
+    /// The last reading of the ledger, and the worst residual so far.
+    energies: Vec<(&'static str, f64)>,
+    residual: f64,
     last: bool,
     stopped_by: Option<String>,
     failure: Option<RunError>,
 }
 
 impl Stage<'_> {
-    fn show(&mut self, step: f64) {
-        let model = &*self.model;
-        let view = View::new(model, step, &[]);
-        let due = |cadence| self.last || is_due(cadence, model.number, model.time, step);
-        let mut shown = vec![false; self.observers.len()];
-        // If one ends the run, this is the last step for all: a second round shows it to the rest.
-        for last in [false, true] {
-            if last && self.stopped_by.is_none() {
-                break;
+    /// All steps of a run; how many were done and why they ended.
+    fn play(
+        &mut self,
+        integrator: &dyn TimeIntegrator,
+        options: &RunOptions,
+        step: f64,
+        planned: u64,
+        progress: &mut (dyn FnMut(Progress) + Send),
+    ) -> Result<(u64, Ended), RunError> {
+        let raised = || {
+            options
+                .stop
+                .as_ref()
+                .is_some_and(|stop| stop.load(Ordering::Relaxed))
+        };
+        let mut done = 0;
+        while done < planned {
+            let stopped = raised();
+            self.last = stopped || done + 1 == planned;
+            integrator.step(self, step)?;
+            if let Some(failure) = self.failure.take() {
+                return Err(failure);
             }
-            for (observer, shown) in self.observers.iter_mut().zip(&mut shown) {
-                if *shown || !(last || due(observer.cadence())) {
-                    continue;
-                }
-                *shown = true;
+            if let Some(fault) = self.model.fault.take() {
+                return Err(fault);
+            }
+            done += 1;
+            progress(Progress {
+                done,
+                planned,
+                time: self.model.time,
+            });
+            if let Some(name) = self.stopped_by.take() {
+                return Ok((done, Ended::Observer(name)));
+            }
+            if stopped {
+                return Ok((done, Ended::Stopped));
+            }
+        }
+        Ok((done, Ended::Completed))
+    }
+
+    fn is_due(&self, cadence: Cadence, step: f64) -> bool {
+        self.last || is_due(cadence, self.model.number, self.model.time, step)
+    }
+
+    /// Reads the ledger if it is time.
+    fn read_energies(&mut self, step: f64) -> Result<(), RunError> {
+        let check = self.energy.map(|check| Cadence::Steps(check.every));
+        let of_observers = self.observers.iter().filter(|o| o.fields().energy);
+        let mut cadences = of_observers.map(|o| o.cadence()).chain(check);
+        if !cadences.any(|cadence| self.is_due(cadence, step)) {
+            return Ok(());
+        }
+        let Some(reading) = self.model.read_ledger(step) else {
+            return Ok(());
+        };
+        self.energies = reading.columns;
+        self.residual = self.residual.max(reading.residual.abs());
+        let Some(check) = self.energy else {
+            return Ok(());
+        };
+        let limit = check.limit.unwrap_or(match self.model.precision {
+            Precision::F64 => 1e-7,
+            Precision::Mixed => 1e-4,
+            Precision::F32 => 1e-2,
+        });
+        if reading.residual.abs() <= limit {
+            return Ok(());
+        }
+        Err(RunError::EnergyResidual {
+            step: self.model.number,
+            residual: reading.residual,
+            limit,
+            set: reading.worst_set,
+        })
+    }
+
+    fn show(&mut self, step: f64) -> Result<(), RunError> {
+        self.read_energies(step)?;
+        let due: Vec<bool> = (self.observers.iter())
+            .map(|observer| self.is_due(observer.cadence(), step))
+            .collect();
+        let view = View::new(self.model, step, &self.energies);
+        // If one of those that are due ends the run, the step is the last for the others too.
+        for round in [true, false] {
+            for (observer, _) in self
+                .observers
+                .iter_mut()
+                .zip(&due)
+                .filter(|(_, d)| **d == round)
+            {
                 match observer.observe(&view) {
                     Ok(Flow::Continue) => {}
                     Ok(Flow::Stop) => self.stopped_by = Some(observer.name().into()),
-                    Err(source) => {
-                        self.failure = Some(failed(observer.name(), model.number, source));
-                        return;
-                    }
+                    Err(source) => return Err(failed(observer.name(), view.number(), source)),
                 }
             }
+            if self.stopped_by.is_none() {
+                break;
+            }
         }
+        Ok(())
     }
 }
 
@@ -321,9 +430,9 @@ impl Dynamics for Stage<'_> {
         self.model.constrain(step)
     }
     fn drift(&mut self, step: f64) {
-        self.show(step);
-        if self.failure.is_none() {
-            self.model.drift(step);
+        match self.show(step) {
+            Ok(()) => self.model.drift(step),
+            Err(failure) => self.failure = Some(failure),
         }
     }
 }

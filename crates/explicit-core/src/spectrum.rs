@@ -4,7 +4,7 @@ use powerhouse_model::{Operator, Quad, Vec3};
 use rayon::prelude::*;
 
 use crate::Model;
-use crate::model::split;
+use crate::applied::split;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
 
 /// Relative bound on the error of the highest eigenvalue at which Lanczos stops.
@@ -150,7 +150,7 @@ impl Model {
                 .zip(buffers)
                 .with_max_len(1)
                 .for_each(|(block, buffer)| {
-                    block.apply(Operator::Elastic, S::view(&values), buffer);
+                    block.apply(Operator::Elastic, S::view(&values), S::view_mut(buffer));
                 });
             (0..vector.len())
                 .into_par_iter()

@@ -40,7 +40,7 @@ impl From<Vec<u32>> for ElementChoice {
 
 /// Elements per block: large enough that few nodes lie between blocks, small enough that a block's
 /// forces stay in the second-level cache and that every thread finds work.
-const DEFAULT_PART: usize = 1024;
+const DEFAULT_PART: usize = 2048;
 
 /// Collects what a [`Model`] is made of; all of it is checked in [`build`](Self::build).
 pub struct ModelBuilder<'a> {
@@ -151,7 +151,7 @@ impl<'a> ModelBuilder<'a> {
             None => None,
         };
         let mesh = self.mesh;
-        let single = single_precision(&self.sets)?;
+        let precision = coarsest(&self.sets)?;
         let (mut numbering, mut blocks) = build_blocks(mesh, &self.sets, self.part_size)?;
         let place_of_element = places(mesh, &blocks);
         let mut boundary_loads = Vec::new();
@@ -208,7 +208,7 @@ impl<'a> ModelBuilder<'a> {
 
         let loads = AppliedLoads::new(loads, &group_of, groups.groups.len());
         let with_external = loads.sums.on_plain_nodes();
-        let nodes = if single {
+        let nodes = if precision == Precision::F32 {
             Nodes::F32(NodalArrays::new(node_count, slots.len(), with_external))
         } else {
             Nodes::F64(NodalArrays::new(node_count, slots.len(), with_external))
@@ -238,7 +238,8 @@ impl<'a> ModelBuilder<'a> {
             prepared: None,
             kicked: false,
             uncommitted: false,
-            ledger: false,
+            ledger: None,
+            precision,
             speed_limit: f64::MAX,
             fault: None,
             place_of_element,
@@ -289,19 +290,23 @@ fn build_blocks(
     Ok((division.numbering, blocks?))
 }
 
-/// Whether the nodes are kept in single precision.
-fn single_precision(sets: &[ElementSet]) -> Result<bool, EngineError> {
-    let single = |f: &dyn BlockFactory| f.options().precision == Precision::F32;
-    let of = |wanted: bool| {
+/// The coarsest arithmetic of any set; nodes in single precision suit no other sets.
+fn coarsest(sets: &[ElementSet]) -> Result<Precision, EngineError> {
+    let with = |wanted: &dyn Fn(Precision) -> bool| {
         let mut factories = sets.iter().map(|(_, factory)| factory.as_ref());
-        factories.find(|f| single(*f) == wanted).map(|f| f.label())
+        let found = factories.find(|factory| wanted(factory.options().precision));
+        found.map(|factory| factory.label())
     };
-    match (of(false), of(true)) {
+    let single = with(&|precision| precision == Precision::F32);
+    let other = with(&|precision| precision != Precision::F32);
+    match (other, single) {
         (Some(double), Some(single)) => Err(EngineError::MixedNodes {
             first: double.into(),
             second: single.into(),
         }),
-        (_, one) => Ok(one.is_some()),
+        (None, Some(_)) => Ok(Precision::F32),
+        _ if with(&|precision| precision == Precision::Mixed).is_some() => Ok(Precision::Mixed),
+        _ => Ok(Precision::F64),
     }
 }
 
@@ -422,6 +427,7 @@ fn bind(constraint: Box<dyn Constraint>, nodes: Vec<u32>, group_of: &[Option<u32
         displacement: vec![Vec3::zeros(); count],
         previous: vec![Vec3::zeros(); count],
         velocity: vec![Vec3::zeros(); count],
+        predicted: Vec::new(),
         inverse_mass: vec![Mat3::zeros(); count],
     }
 }

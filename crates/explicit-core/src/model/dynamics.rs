@@ -1,29 +1,13 @@
 //! The operations of a step.
 
 use powerhouse_model::{
-    BlockContext, Dynamics, ForceTerms, MassDampingRule, NodalViewMut, PredictedMotion, RunError,
-    Vec3,
+    BlockContext, Dynamics, ForceTerms, MassDampingRule, PredictedMotion, RunError, Vec3,
 };
 use rayon::prelude::*;
 
 use super::Model;
+use crate::applied::split;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
-
-/// Cuts the force buffer into those of the blocks.
-pub(crate) fn split<'a, S: Storage>(
-    forces: &'a mut [powerhouse_model::Quad<S>],
-    lengths: &[usize],
-) -> Vec<NodalViewMut<'a>> {
-    let mut rest = forces;
-    lengths
-        .iter()
-        .map(|&length| {
-            let (own, others) = core::mem::take(&mut rest).split_at_mut(length);
-            rest = others;
-            S::view_mut(own)
-        })
-        .collect()
-}
 
 impl Dynamics for Model {
     fn time(&self) -> f64 {
@@ -57,8 +41,10 @@ impl Dynamics for Model {
     fn drift(&mut self, step: f64) {
         self.in_pool(|model| {
             if model.kicked {
+                model.book_first_half(step);
                 model.kicked = false;
                 model.advance::<true>(step);
+                model.book_second_half(step);
             } else {
                 with_nodes!(&mut model.nodes, arrays => arrays.drift(step));
             }
@@ -106,7 +92,7 @@ impl Model {
                 Storage::view(velocity),
             )
             .with_damping_shift(terms.damping_shift)
-            .with_ledger(*ledger);
+            .with_ledger(ledger.is_some());
             let buffers = split(forces, lengths);
             let (fault, ()) = rayon::join(
                 || {
@@ -120,7 +106,7 @@ impl Model {
                             if commit {
                                 block.commit();
                             }
-                            let fault = block.forces(&context, buffer).err()?;
+                            let fault = block.forces(&context, Storage::view_mut(buffer)).err()?;
                             Some((block.label().to_string(), fault))
                         })
                 },
@@ -181,6 +167,8 @@ impl Model {
             constraints,
             groups,
             nodes,
+            ledger,
+            prepared,
             ..
         } = self;
         for bound in constraints {
@@ -195,7 +183,10 @@ impl Model {
                 bound.velocity[i] = groups.motion.next[group];
                 bound.inverse_mass[i] = groups.coefficients[group].inverse;
             }
-            bound.constraint.correct(PredictedMotion::new(
+            if ledger.is_some() {
+                bound.predicted.clone_from(&bound.velocity);
+            }
+            let work = bound.constraint.correct(PredictedMotion::new(
                 (self.number, self.time, step),
                 &bound.displacement,
                 &bound.previous,
@@ -204,6 +195,9 @@ impl Model {
             ))?;
             for (&group, &velocity) in bound.groups.iter().zip(&bound.velocity) {
                 groups.motion.next[group as usize] = velocity;
+            }
+            if let (Some(ledger), Some(prepared)) = (ledger.as_mut(), *prepared) {
+                ledger.book_constraint(groups, prepared, &bound.groups, &bound.predicted, work);
             }
         }
         Ok(())

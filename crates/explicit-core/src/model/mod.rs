@@ -11,14 +11,15 @@ use powerhouse_model::{
     Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Numbering, RunError, TimeFunction, Vec3,
 };
 
+use crate::Precision;
 use crate::applied::AppliedLoads;
 use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
+use crate::ledger::Ledger;
 use crate::nodes::Nodes;
 use crate::stable_step::Spectrum;
 
 pub use builder::{ElementChoice, ModelBuilder};
-pub(crate) use dynamics::split;
 
 /// A constraint with the places where it acts, and its buffers.
 struct Bound {
@@ -30,6 +31,8 @@ struct Bound {
     displacement: Vec<Vec3>,
     previous: Vec<Vec3>,
     velocity: Vec<Vec3>,
+    /// The velocity before the correction, while a ledger is kept.
+    predicted: Vec<Vec3>,
     inverse_mass: Vec<Mat3>,
 }
 
@@ -45,7 +48,7 @@ pub struct Model {
     /// Slots of each block in the force buffer.
     pub(crate) lengths: Vec<usize>,
     pub(crate) slots: SlotTable,
-    gather: Gather,
+    pub(crate) gather: Gather,
     pub(crate) nodes: Nodes,
     /// Lumped mass of each engine node (kg).
     pub(crate) mass: Vec<f64>,
@@ -61,13 +64,15 @@ pub struct Model {
     pub(crate) time: f64,
     pub(crate) number: u64,
     /// The rule and step that the matrices are made for.
-    prepared: Option<(MassDampingRule, f64)>,
+    pub(crate) prepared: Option<(MassDampingRule, f64)>,
     /// A kick of the plain nodes that waits for the drift, with which it shares a pass.
     kicked: bool,
     /// Whether the blocks hold a history that is to be committed.
     uncommitted: bool,
-    /// Whether the blocks account for their energies.
-    pub(crate) ledger: bool,
+    /// The account of energies, while one is kept.
+    pub(crate) ledger: Option<Box<Ledger>>,
+    /// The coarsest arithmetic of any set.
+    pub(crate) precision: Precision,
     /// Bound on each component of velocity (m/s).
     pub(crate) speed_limit: f64,
     /// What the last pass found.

@@ -1,0 +1,185 @@
+//! What nodal forces do in a step.
+
+use powerhouse_model::{MassDampingRule, Vec3};
+use rayon::prelude::*;
+
+use super::sum::Sum;
+use crate::Model;
+use crate::applied::LoadSums;
+use crate::gather::{CHUNK, Gather, SlotTable};
+use crate::groups::Groups;
+use crate::nodes::{Nodes, with_nodes};
+
+/// What nodal forces did (J): taken out by all but the last two, which put in.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NodalWork<T> {
+    pub(super) mass_damping: T,
+    pub(super) dashpots: T,
+    pub(super) springs: T,
+    pub(super) loads: T,
+    pub(super) prescribed: T,
+}
+
+impl NodalWork<Sum> {
+    pub(super) fn add(&mut self, work: &NodalWork<f64>) {
+        self.mass_damping.add(work.mass_damping);
+        self.dashpots.add(work.dashpots);
+        self.springs.add(work.springs);
+        self.loads.add(work.loads);
+        self.prescribed.add(work.prescribed);
+    }
+}
+
+/// A model between its kick and its drift, as far as threads may share it.
+pub(super) struct Present<'a> {
+    nodes: &'a Nodes,
+    slots: &'a SlotTable,
+    gather: &'a Gather,
+    groups: &'a Groups,
+    group_of: &'a [Option<u32>],
+    sums: &'a LoadSums,
+    mass: &'a [f64],
+    mass_damping: &'a [f64],
+    rule: MassDampingRule,
+    step: f64,
+}
+
+impl Model {
+    pub(super) fn present(&self, step: f64) -> Present<'_> {
+        Present {
+            nodes: &self.nodes,
+            slots: &self.slots,
+            gather: &self.gather,
+            groups: &self.groups,
+            group_of: &self.group_of,
+            sums: &self.loads.sums,
+            mass: &self.mass,
+            mass_damping: &self.mass_damping,
+            rule: self
+                .prepared
+                .map_or(MassDampingRule::Implicit, |(rule, _)| rule),
+            step,
+        }
+    }
+}
+
+impl Present<'_> {
+    /// Half a step's work of all nodal forces but the loads, with the velocities before and with
+    /// those after.
+    pub(super) fn work(&self) -> [NodalWork<f64>; 2] {
+        let count = self.groups.groups.len();
+        let chunks: Vec<[NodalWork<f64>; 2]> = (0..count.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let mut halves = [NodalWork::default(); 2];
+                for g in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
+                    self.add_group(g, &mut halves);
+                }
+                halves
+            })
+            .collect();
+        let mut halves = [NodalWork::default(); 2];
+        for chunk in &chunks {
+            for (half, part) in halves.iter_mut().zip(chunk) {
+                half.mass_damping += part.mass_damping;
+                half.dashpots += part.dashpots;
+                half.springs += part.springs;
+                half.prescribed += part.prescribed;
+            }
+        }
+        if !self.mass_damping.is_empty() {
+            for (half, work) in halves.iter_mut().zip(self.plain_damping()) {
+                half.mass_damping += work;
+            }
+        }
+        halves
+    }
+
+    fn add_group(&self, g: usize, halves: &mut [NodalWork<f64>; 2]) {
+        let group = &self.groups.groups[g];
+        let motion = &self.groups.motion;
+        let (before, after) = (motion.previous[g], motion.next[g]);
+        let mean = (before + after) * 0.5;
+        let spring = self.stretch(g) + (after - before) * (0.25 * self.step);
+        let spring = group.spring * spring;
+        let dashpot = group.dashpot * mean;
+        let damping = match self.rule {
+            MassDampingRule::Implicit => mean * group.mass_damping,
+            MassDampingRule::Lagged => before * group.mass_damping,
+        };
+        let drive = if group.condition.prescribed.is_empty() {
+            Vec3::zeros()
+        } else {
+            self.driving_impulse(g) / self.step
+        };
+        for (half, velocity) in halves.iter_mut().zip([before, after]) {
+            let along = velocity * (0.5 * self.step);
+            half.dashpots += dashpot.dot(&along);
+            half.springs += spring.dot(&along);
+            half.mass_damping += damping.dot(&along);
+            half.prescribed += drive.dot(&along);
+        }
+    }
+
+    /// How far a group's spring is stretched (m).
+    fn stretch(&self, g: usize) -> Vec3 {
+        let lead = self.groups.groups[g].members[0] as usize;
+        with_nodes!(self.nodes, arrays => {
+            arrays.displacement[lead].to_vector() - self.groups.origin[g]
+        })
+    }
+
+    /// The impulse (N s) that made a group follow its prescribed motion: what its equation of
+    /// motion lacks in the held and driven directions, `A v+ - (...) v- - dt f`.
+    fn driving_impulse(&self, g: usize) -> Vec3 {
+        let group = &self.groups.groups[g];
+        let (effective, old) = group.effective(self.rule, self.step);
+        let mut force = self.sums.on_group(g) - group.spring * self.stretch(g);
+        with_nodes!(self.nodes, arrays => {
+            for &node in &group.members {
+                force -= arrays.internal(self.slots, node as usize);
+            }
+        });
+        let motion = &self.groups.motion;
+        let lacking = effective * motion.next[g] - old * motion.previous[g] - force * self.step;
+        lacking - group.condition.free(lacking)
+    }
+
+    /// Half a step's work of the mass damping of plain nodes.
+    fn plain_damping(&self) -> [f64; 2] {
+        let [_, before, across, after] = self.plain_products();
+        let half = 0.5 * self.step;
+        match self.rule {
+            MassDampingRule::Implicit => [
+                half * 0.5 * (before + across),
+                half * 0.5 * (across + after),
+            ],
+            MassDampingRule::Lagged => [half * before, half * across],
+        }
+    }
+
+    fn plain_products(&self) -> [f64; 4] {
+        with_nodes!(self.nodes, arrays => {
+            arrays.products(self.gather, self.group_of, self.mass, self.mass_damping)
+        })
+    }
+
+    /// Half a step's work of the loads with the velocities that the nodes have at present: those
+    /// before the drift or those after it.
+    pub(super) fn load_work(&self) -> f64 {
+        with_nodes!(self.nodes, arrays => {
+            let velocity = |node: usize| arrays.velocity[node].to_vector();
+            self.sums.power(velocity) * 0.5 * self.step
+        })
+    }
+
+    /// Kinetic energy (J), `1/2 v- . M v+`.
+    pub(super) fn kinetic(&self) -> f64 {
+        let motion = &self.groups.motion;
+        let grouped: f64 = (self.groups.groups.iter())
+            .zip(motion.previous.iter().zip(&motion.next))
+            .map(|(group, (before, after))| group.mass * before.dot(after))
+            .sum();
+        0.5 * (self.plain_products()[0] + grouped)
+    }
+}
