@@ -1,1 +1,63 @@
-//! The thin facade: re-exports, and the Scene that composes a model from names.
+//! Powerhouse: explicit dynamic analysis of underground structures under waves that arrive at an
+//! angle.
+//!
+//! This crate is the facade. It re-exports the crates of the workspace under short names and adds
+//! the [`Scene`]: a mesh, its parts, the ground motion and what is wanted of a run, read from a
+//! file or composed in Rust.
+//!
+//! ```no_run
+//! use powerhouse::{RunHooks, Scene};
+//! let scene = Scene::from_file("data/scenes/cavern_small.toml")?;
+//! let mesh = scene.mesh().clone();
+//! let results = scene.prepare()?.run(RunHooks::default())?;
+//! print!("{}", results.peaks(&mesh));
+//! # Ok::<(), powerhouse::Error>(())
+//! ```
+//!
+//! # Conventions
+//! SI units, z up, tension positive. Incidence is measured from the vertical; azimuth is the
+//! horizontal direction of travel, from +x towards +y. t = 0 of a record is its arrival at the
+//! corner of the mesh's box that the wave hits first, unless a reference point is given.
+//!
+//! # Why so
+//! *One type.* A scene file is turned into the same [`Scene`] that Rust users compose: neither can
+//! do what the other cannot.
+//!
+//! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are
+//! registered beside those that come with the software and named in scene files like them.
+//!
+//! *A fault has a place.* Every value of a scene file keeps the bytes that it was read from, so
+//! that whatever is wrong with it, be it found by the parser, by a look into the mesh or by another
+//! crate, is shown where it stands, before any work is done.
+
+mod builtin;
+mod error;
+mod fault;
+pub mod format;
+mod output;
+mod part;
+mod registry;
+mod remark;
+mod resolve;
+mod scene;
+mod simulation;
+
+pub use powerhouse_boundary as boundary;
+pub use powerhouse_contact as contact;
+pub use powerhouse_explicit_core as engine;
+pub use powerhouse_io as io;
+pub use powerhouse_material_damage as material;
+pub use powerhouse_model as model;
+pub use powerhouse_wavefield as wavefield;
+
+pub use error::Error;
+pub use fault::{Fault, Problem, SceneFault, SceneText};
+pub use output::{
+    CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, ResultFolder, Results,
+    SnapshotWish,
+};
+pub use part::{Kernel, Material, Part};
+pub use registry::Registry;
+pub use remark::Remark;
+pub use scene::{Boundary, InitialMotion, Scene, TimeStep};
+pub use simulation::{ProgressHook, RunHooks, Simulation};

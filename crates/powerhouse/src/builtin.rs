@@ -1,0 +1,145 @@
+//! What every registry holds from the start.
+
+use std::sync::Arc;
+
+use powerhouse_boundary::{AxisParameters, InputMode, Spreading, Viscous, ViscousSpring};
+use powerhouse_explicit_core::SolidKernel;
+use powerhouse_material_damage::LinearElastic;
+use powerhouse_model::{ElasticMedium, ModelError};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::format::{AmplitudeRatio, PoissonRatio, Positive, SpeedRatio};
+use crate::{Material, Registry};
+
+pub(crate) fn register(registry: &mut Registry) {
+    registry.add_law("elastic", |elastic: Elastic| {
+        let medium = ElasticMedium::new(
+            elastic.young.get(),
+            elastic.poisson.get(),
+            elastic.density.get(),
+        )?;
+        Ok(Material::new(LinearElastic::new(medium)))
+    });
+    registry.add_boundary("viscous-spring", |keys: ViscousSpringKeys| {
+        Ok(Arc::new(keys.build()?))
+    });
+    registry.add_boundary("viscous", |keys: ViscousKeys| {
+        let input = keys.input.unwrap_or_default().mode();
+        Ok(Arc::new(Viscous { input }))
+    });
+    for kernel in SolidKernel::ALL {
+        registry.add_kernel(kernel.name(), kernel.into());
+    }
+}
+
+/// Linear elasticity.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct Elastic {
+    /// Young's modulus (Pa).
+    young: Positive,
+    /// Poisson's ratio.
+    poisson: PoissonRatio,
+    /// Mass density (kg/m3).
+    density: Positive,
+}
+
+/// Which motion comes in through the boundary.
+#[derive(Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+enum Input {
+    /// The full free field on every face.
+    #[default]
+    FullField,
+    /// The incident wave alone on these faces, as Wang, Chen & Xiao (2019) put it on the bottom
+    /// (Eqs. 6 and 7); the full free field on the others.
+    IncidentOnly(Vec<String>),
+    /// Nothing: the boundary only absorbs.
+    Nothing,
+}
+
+impl Input {
+    fn mode(self) -> InputMode {
+        match self {
+            Self::FullField => InputMode::FullField,
+            Self::IncidentOnly(faces) => InputMode::IncidentOnly { faces },
+            Self::Nothing => InputMode::Nothing,
+        }
+    }
+}
+
+/// Dashpots with the impedance of each wave (Lysmer & Kuhlemeyer 1969).
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ViscousKeys {
+    /// Which motion comes in; the full free field by default.
+    input: Option<Input>,
+}
+
+/// Springs and dashpots after Wang, Chen & Xiao (2019), Eqs. 1 and 2.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ViscousSpringKeys {
+    /// A, the amplitude ratio of plane to scattered waves; 0.8 by default.
+    a: Option<AmplitudeRatio>,
+    /// B, the ratio of physical to apparent wave speed; 1.1 by default.
+    b: Option<SpeedRatio>,
+    /// Distance from the scatterer to all faces (m); by default that of each face's nodes.
+    distance: Option<Positive>,
+    /// What differs on the faces across x.
+    x: Option<AxisKeys>,
+    /// What differs on the faces across y.
+    y: Option<AxisKeys>,
+    /// What differs on the faces across z.
+    z: Option<AxisKeys>,
+    /// How scattered waves spread; spherically by default.
+    spreading: Option<SpreadingKey>,
+    /// Which motion comes in; the full free field by default.
+    input: Option<Input>,
+}
+
+/// Parameters of the faces across one axis.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct AxisKeys {
+    /// A on these faces.
+    a: Option<AmplitudeRatio>,
+    /// B on these faces.
+    b: Option<SpeedRatio>,
+    /// Distance from the scatterer to these faces (m).
+    distance: Option<Positive>,
+}
+
+/// How scattered waves spread.
+#[derive(Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+enum SpreadingKey {
+    /// From a compact structure in all directions.
+    Spherical,
+    /// From a long structure of which the model is a slice: half the springs.
+    Cylindrical,
+}
+
+impl ViscousSpringKeys {
+    fn build(self) -> Result<ViscousSpring, ModelError> {
+        let mut axes = [AxisParameters::default(); 3];
+        for (axis, own) in axes.iter_mut().zip([self.x, self.y, self.z]) {
+            let (a, b, distance) = own.map_or((None, None, None), |k| (k.a, k.b, k.distance));
+            *axis = AxisParameters::new(
+                a.or(self.a)
+                    .map_or(axis.amplitude_ratio, AmplitudeRatio::get),
+                b.or(self.b).map_or(axis.speed_ratio, SpeedRatio::get),
+                distance.or(self.distance).map(Positive::get),
+            )?;
+        }
+        Ok(ViscousSpring {
+            axes,
+            spreading: match self.spreading {
+                Some(SpreadingKey::Cylindrical) => Spreading::Cylindrical,
+                Some(SpreadingKey::Spherical) | None => Spreading::Spherical,
+            },
+            input: self.input.unwrap_or_default().mode(),
+        })
+    }
+}

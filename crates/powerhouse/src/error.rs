@@ -1,0 +1,67 @@
+//! What this crate refuses.
+
+use std::path::PathBuf;
+
+use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
+use thiserror::Error;
+
+use crate::SceneFault;
+
+/// Why a scene cannot be read, composed, run or written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A fault of a scene file, with its place.
+    #[error(transparent)]
+    Scene(Box<SceneFault>),
+    /// A file that cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Write(#[from] powerhouse_io::IoError),
+    /// Elements that belong to no part, or to several.
+    #[error("element {element} belongs to {count} parts, it must belong to one")]
+    PartCount {
+        /// The user's number of the first such element.
+        element: u64,
+        /// Parts that it belongs to.
+        count: usize,
+    },
+    /// An element of a kind that no kernel computes.
+    #[error("element {element} of part '{set}' is a {kind}, which no kernel computes")]
+    NoKernel {
+        /// The user's number.
+        element: u64,
+        /// The part's set.
+        set: String,
+        /// The element's kind.
+        kind: &'static str,
+    },
+    /// A start from the field's motion, and no field.
+    #[error("the run is to start from the field's motion, but the scene has no field")]
+    NoField,
+    /// A step that is not given for a run of a given time.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A mesh that cannot be computed with, or a set that does not exist.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A part of the model refused.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A run refused its step, or ended before its time.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl From<SceneFault> for Error {
+    fn from(fault: SceneFault) -> Self {
+        Self::Scene(Box::new(fault))
+    }
+}

@@ -1,0 +1,70 @@
+//! serde's messages in the words of a scene's author.
+
+use super::Problem;
+
+impl Problem {
+    /// Takes the message of a serde or toml error apart. serde carries unknown names, types and
+    /// ranges in its messages alone, in the wording of `serde::de::Error`.
+    pub(super) fn from_serde(message: &str) -> Self {
+        let after = |start: &str| message.strip_prefix(start);
+        if let Some(rest) = after("unknown field ")
+            && let Some((key, permitted)) = name_and_others(rest)
+        {
+            return Self::UnknownKey { key, permitted };
+        }
+        // How toml says it in the table of an enum's variant.
+        if let Some(rest) = after("unexpected keys in table: ")
+            && let Some((keys, permitted)) = rest.split_once(", available keys: ")
+        {
+            let names = |list: &str| list.split(", ").map(str::to_owned).collect::<Vec<_>>();
+            return Self::UnknownKey {
+                key: names(keys).swap_remove(0),
+                permitted: names(permitted),
+            };
+        }
+        if let Some(rest) = after("unknown variant ")
+            && let Some((found, permitted)) = name_and_others(rest)
+        {
+            return Self::UnknownChoice { found, permitted };
+        }
+        if let Some(rest) = after("missing field ") {
+            let key = rest.trim_matches('`').to_owned();
+            return Self::MissingKey { key };
+        }
+        let value = ["invalid type: ", "invalid value: ", "invalid length "]
+            .iter()
+            .find_map(|start| after(start));
+        match value.and_then(|rest| rest.split_once(", expected ")) {
+            Some((found, expected)) => Self::Value {
+                found: plain(found),
+                expected: plain(expected),
+            },
+            None => Self::Syntax {
+                message: message.to_owned(),
+            },
+        }
+    }
+}
+
+/// The first name in backticks and all later ones.
+fn name_and_others(text: &str) -> Option<(String, Vec<String>)> {
+    let mut names = text.split('`').skip(1).step_by(2).map(str::to_owned);
+    Some((names.next()?, names.collect()))
+}
+
+/// serde's words for types in those of a scene's author.
+fn plain(words: &str) -> String {
+    match words {
+        "f64" => "a number".into(),
+        "u64" | "usize" => "a whole number".into(),
+        "a string" | "string" | "path string" => "a text in quotes".into(),
+        "a map" | "map" => "a table".into(),
+        "a sequence" | "sequence" => "a list".into(),
+        _ => words
+            .replace("floating point", "the number")
+            .replace("integer", "the number")
+            .replace("an array of length", "a list of length")
+            .replace("string \"", "the text \"")
+            .replace('`', ""),
+    }
+}

@@ -1,0 +1,133 @@
+//! What is wrong with a scene file, and where.
+
+mod message;
+mod text;
+
+use core::ops::Range;
+
+use thiserror::Error;
+
+pub use text::{SceneFault, SceneText};
+
+/// What is wrong at one place of a scene file.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The text is not TOML.
+    #[error("{message}")]
+    Syntax {
+        /// What the parser says.
+        message: String,
+    },
+    /// A key that the format does not know.
+    #[error("unknown key '{key}'")]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// Keys that may stand here.
+        permitted: Vec<String>,
+    },
+    /// A key that must be given.
+    #[error("the key '{key}' is missing")]
+    MissingKey {
+        /// The key.
+        key: String,
+    },
+    /// A word that is none of the permitted ones.
+    #[error("'{found}' is not permitted here")]
+    UnknownChoice {
+        /// The word.
+        found: String,
+        /// Permitted words.
+        permitted: Vec<String>,
+    },
+    /// A value of a wrong type, or outside its range.
+    #[error("found {found}, expected {expected}")]
+    Value {
+        /// What stands in the file.
+        found: String,
+        /// What may stand there.
+        expected: String,
+    },
+    /// A name that refers to nothing.
+    #[error("there is no {what} '{name}'")]
+    NoSuchName {
+        /// What the name should be: a material, a facet set.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// Names that exist.
+        available: Vec<String>,
+    },
+    /// A name that stands twice.
+    #[error("the {what} '{name}' is defined twice")]
+    Duplicate {
+        /// What it names.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// Keys that do not go together, or one of which is needed.
+    #[error("exactly one of {} must be given, found {found}", keys.join(", "))]
+    OneOf {
+        /// The keys.
+        keys: &'static [&'static str],
+        /// How many are given.
+        found: usize,
+    },
+    /// Elements without a part, or with several.
+    #[error("element {element} belongs to {count} parts, it must belong to one")]
+    PartCount {
+        /// The user's number of the first such element.
+        element: u64,
+        /// Parts that it belongs to.
+        count: usize,
+    },
+    /// Absorbing faces in front of several media, where the free field needs one.
+    #[error("the absorbing faces stand before {count} different media; the free field needs one")]
+    SeveralMedia {
+        /// How many.
+        count: usize,
+    },
+    /// Another crate refused what stands here; its error is the source.
+    #[error("{0}")]
+    Refused(Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// A problem and the bytes of the scene file that it concerns.
+#[derive(Debug)]
+pub struct Fault {
+    span: Range<usize>,
+    problem: Problem,
+}
+
+impl Fault {
+    /// A problem at a range of bytes.
+    pub fn new(span: Range<usize>, problem: Problem) -> Self {
+        Self { span, problem }
+    }
+    /// What another crate refused at a range of bytes.
+    pub fn refused(
+        span: Range<usize>,
+        source: impl Into<Box<dyn std::error::Error + Send + Sync>>,
+    ) -> Self {
+        Self::new(span, Problem::Refused(source.into()))
+    }
+    /// What is wrong.
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+    pub(crate) fn from_toml(error: toml::de::Error) -> Self {
+        Self::new(
+            error.span().unwrap_or(0..0),
+            Problem::from_serde(error.message()),
+        )
+    }
+    /// Adds keys that may also stand where an unknown key was found.
+    pub(crate) fn with_permitted(mut self, more: &[&str]) -> Self {
+        if let Problem::UnknownKey { permitted, .. } = &mut self.problem {
+            permitted.extend(more.iter().map(|&key| key.to_owned()));
+        }
+        self
+    }
+}

@@ -1,0 +1,141 @@
+//! From text to [`SceneFile`], keeping the place of every value.
+//!
+//! serde's internally tagged enums and flattened maps lose the places of their values. So tables
+//! with a `kind` are rewritten to externally tagged ones first, and the open tables are split into
+//! the keys of the format and those of the registered type, all with their places.
+
+use std::sync::Arc;
+
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer};
+
+use super::{Parameters, SceneFile};
+use crate::fault::{Fault, Problem};
+
+/// Keys whose table, or whose tables in an array, say their shape by `kind`.
+const TAGGED: [&str; 6] = [
+    "baseline", "damping", "function", "load", "pulse", "support",
+];
+/// Open tables, and the keys in them that the format reads itself.
+const MATERIAL: (&str, &[&str]) = ("material", &["name", "law"]);
+const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer"]);
+
+/// Reads a scene.
+///
+/// # Errors
+/// The first fault with its place: broken syntax, an unknown or missing key, a value of a wrong
+/// type or outside its range.
+pub fn decode(text: &str) -> Result<SceneFile, Fault> {
+    let mut root = tree(text)?;
+    for (section, shared) in [MATERIAL, BOUNDARY] {
+        split(root.get_mut(), section, shared);
+    }
+    let mut scene = SceneFile::deserialize(Deserializer::from(root)).map_err(Fault::from_toml)?;
+    let text: Arc<str> = text.into();
+    for (index, material) in scene.materials.iter_mut().enumerate() {
+        material.parameters = Parameters::new(text.clone(), (MATERIAL.0, index), MATERIAL.1);
+    }
+    if let Some(boundary) = &mut scene.boundary {
+        boundary.parameters = Parameters::new(text, (BOUNDARY.0, 0), BOUNDARY.1);
+    }
+    Ok(scene)
+}
+
+/// The parsed text with its tagged tables rewritten.
+pub(super) fn tree(text: &str) -> Result<Spanned<DeTable<'_>>, Fault> {
+    let mut root = DeTable::parse(text).map_err(Fault::from_toml)?;
+    tag_tables(root.get_mut())?;
+    Ok(root)
+}
+
+/// Leaves the shared keys in the open tables of a section and returns the others, table by table.
+/// What is no table is left for serde to refuse.
+pub(super) fn split<'t>(
+    root: &mut DeTable<'t>,
+    section: &str,
+    shared: &[&str],
+) -> Vec<Spanned<DeTable<'t>>> {
+    match root
+        .get_mut(section)
+        .map(|value| (value.span(), value.get_mut()))
+    {
+        Some((_, DeValue::Array(items))) => items
+            .iter_mut()
+            .map(|item| split_table(item.span(), item.get_mut(), shared))
+            .collect(),
+        Some((span, value)) => vec![split_table(span, value, shared)],
+        None => Vec::new(),
+    }
+}
+
+fn split_table<'t>(
+    span: core::ops::Range<usize>,
+    value: &mut DeValue<'t>,
+    shared: &[&str],
+) -> Spanned<DeTable<'t>> {
+    let mut own = DeTable::new();
+    if let DeValue::Table(table) = value {
+        for (key, value) in core::mem::take(table) {
+            let is_shared = shared.contains(&&**key.get_ref());
+            let side = if is_shared { &mut *table } else { &mut own };
+            side.insert(key, value);
+        }
+    }
+    Spanned::new(span, own)
+}
+
+/// Turns `{ kind = "a", rest }` into `{ a = { rest } }` under the tagged keys.
+fn tag_tables(table: &mut DeTable) -> Result<(), Fault> {
+    for (key, value) in table.iter_mut() {
+        let tagged = TAGGED.contains(&&**key.get_ref());
+        tag(value, tagged)?;
+    }
+    Ok(())
+}
+
+fn tag(value: &mut Spanned<DeValue>, tagged: bool) -> Result<(), Fault> {
+    let span = value.span();
+    match value.get_mut() {
+        DeValue::Array(items) => {
+            for item in items.iter_mut() {
+                tag(item, tagged)?;
+            }
+        }
+        DeValue::Table(table) => {
+            tag_tables(table)?;
+            if tagged {
+                let key = "kind".to_owned();
+                let Some(kind) = table.remove("kind") else {
+                    return Err(Fault::new(span, Problem::MissingKey { key }));
+                };
+                let place = kind.span();
+                let kind = match kind.into_inner() {
+                    DeValue::String(kind) => kind,
+                    other => {
+                        let found = format!("{} {}", article(other.type_str()), other.type_str());
+                        let expected = "a text in quotes".into();
+                        return Err(Fault::new(place, Problem::Value { found, expected }));
+                    }
+                };
+                let rest = DeValue::Table(core::mem::take(table));
+                table.insert(Spanned::new(place, kind), Spanned::new(span, rest));
+            }
+        }
+        other if tagged => {
+            let found = format!("{} {}", article(other.type_str()), other.type_str());
+            let expected = "a table with the key 'kind'".into();
+            return Err(Fault::new(span, Problem::Value { found, expected }));
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+fn article(noun: &str) -> &'static str {
+    if noun.starts_with(['a', 'i']) {
+        "an"
+    } else {
+        "a"
+    }
+}

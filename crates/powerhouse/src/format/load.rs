@@ -1,0 +1,114 @@
+//! Supports and loads.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::{At, Finite, Function, Positive};
+
+/// A support. Sets are facet or node sets of the mesh.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(tag = "kind")]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Support {
+    /// Held in all directions.
+    Fixed {
+        /// The set.
+        set: At<String>,
+    },
+    /// Held in one direction, free across it.
+    Roller {
+        /// The set.
+        set: At<String>,
+        /// The direction that is held, of any length; by default the mean outward normal of a
+        /// facet set.
+        normal: Option<At<[Finite; 3]>>,
+    },
+    /// Two opposite faces that move alike, as in a slice of a long tunnel.
+    Periodic {
+        /// One face.
+        from: At<String>,
+        /// The other face: the first, shifted.
+        to: At<String>,
+    },
+    /// Moved along one direction as given, free across it.
+    Prescribed {
+        /// The set.
+        set: At<String>,
+        /// The direction, of any length.
+        direction: At<[Finite; 3]>,
+        /// Displacement along it (m), times the function.
+        displacement: Finite,
+        /// Function of time, one at all times by default.
+        function: Option<Function>,
+    },
+}
+
+/// A load.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(tag = "kind")]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Load {
+    /// Weight of all parts, downwards.
+    Gravity {
+        /// Acceleration (m/s2), 9.81 by default.
+        acceleration: Option<Positive>,
+        /// Function of time, one at all times by default.
+        function: Option<Function>,
+    },
+    /// Pressure on a facet set, positive towards the body.
+    Pressure {
+        /// The facet set.
+        set: At<String>,
+        /// Pressure (Pa), times the function.
+        pressure: Finite,
+        /// Function of time, one at all times by default.
+        function: Option<Function>,
+    },
+    /// Still water on a facet set: the pressure grows with the depth below its level.
+    Water {
+        /// The facet set.
+        set: At<String>,
+        /// Height of the water level (m).
+        level: Finite,
+        /// Density of the water (kg/m3), 1000 by default.
+        density: Option<Positive>,
+        /// Function of time, one at all times by default.
+        function: Option<Function>,
+    },
+    /// Traction on a facet set.
+    Traction {
+        /// The facet set.
+        set: At<String>,
+        /// Traction (Pa) in x, y and z, times the function.
+        traction: [Finite; 3],
+        /// Function of time, one at all times by default.
+        function: Option<Function>,
+    },
+    /// The same force at every node of a node or facet set.
+    Nodal {
+        /// The set.
+        set: At<String>,
+        /// Force (N) in x, y and z at each node, times the function.
+        force: [Finite; 3],
+        /// Function of time, one at all times by default.
+        function: Option<Function>,
+    },
+}
+
+/// Default acceleration of gravity (m/s2).
+pub(crate) const GRAVITY: f64 = 9.81;
+/// Default density of water (kg/m3).
+pub(crate) const WATER_DENSITY: f64 = 1000.0;
+
+impl Load {
+    /// The load's function of time, if it is not constant.
+    pub fn function(&self) -> Option<&Function> {
+        match self {
+            Self::Gravity { function, .. }
+            | Self::Pressure { function, .. }
+            | Self::Water { function, .. }
+            | Self::Traction { function, .. }
+            | Self::Nodal { function, .. } => function.as_ref(),
+        }
+    }
+}

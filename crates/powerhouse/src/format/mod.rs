@@ -1,0 +1,103 @@
+//! The scene file: what a user writes.
+//!
+//! A scene is a TOML file. Every key is documented here, and the documentation flows into the JSON
+//! schema ([`Registry::schema`](crate::Registry::schema)) that editors use. Numbers are in SI units; angles are in degrees. Paths of
+//! meshes and records are relative to the scene file.
+//!
+//! Tables with a key `kind` are one of several shapes, such as a [`Load`] or a [`Pulse`]. Materials
+//! and boundaries are open: their `law` and `kind` are looked up in a
+//! [`Registry`](crate::Registry), so that types of one's own can be named in scenes.
+
+mod at;
+mod decode;
+mod function;
+mod ground;
+mod load;
+mod material;
+mod output;
+mod parameters;
+mod quantity;
+mod time;
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+pub use at::At;
+pub use decode::decode;
+pub use function::{Function, Pulse};
+pub use ground::{
+    Baseline, BoundarySection, Component, Convention, Ground, Record, Space, Units, Wave, WaveKind,
+    Within,
+};
+pub(crate) use load::{GRAVITY, WATER_DENSITY};
+pub use load::{Load, Support};
+pub use material::{Damping, Material, Part};
+pub use output::{Envelope, History, Output, Quantity, RelativeDisplacement, Section, Snapshots};
+pub use parameters::Parameters;
+pub use quantity::{
+    AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,
+    SpeedRatio,
+};
+pub use time::{InitialMotion, Precision, Scheme, Step, Time};
+
+/// A scene: a mesh, its materials, the ground motion and what is wanted of the run.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// What the scene is, in one line.
+    pub title: String,
+    /// The mesh.
+    pub mesh: MeshFile,
+    /// Materials, by name.
+    #[serde(rename = "material")]
+    pub materials: Vec<Material>,
+    /// Element sets and what they are made of; every element belongs to exactly one part.
+    #[serde(rename = "part")]
+    pub parts: Vec<Part>,
+    /// Ground motion records, by name.
+    #[serde(rename = "record", default)]
+    pub records: Vec<Record>,
+    /// The ground without the structure, through which the waves come.
+    #[serde(default)]
+    pub ground: Ground,
+    /// Incoming waves; they add up.
+    #[serde(rename = "wave", default)]
+    pub waves: Vec<Wave>,
+    /// Where the mesh ends and the ground goes on.
+    pub boundary: Option<BoundarySection>,
+    /// Supports.
+    #[serde(rename = "support", default)]
+    pub supports: Vec<At<Support>>,
+    /// Loads.
+    #[serde(rename = "load", default)]
+    pub loads: Vec<At<Load>>,
+    /// Duration and time step.
+    pub time: Time,
+    /// Number format of the computation.
+    #[serde(default)]
+    pub precision: Precision,
+    /// What is written.
+    #[serde(default)]
+    pub output: Output,
+    /// The largest permitted error of the free field (relative L2 error of velocity). If given, a run first computes
+    /// the scene's box without the structure and refuses to go on above this error.
+    pub self_check: Option<At<Positive>>,
+}
+
+/// The mesh file.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshFile {
+    /// A Gmsh file (`.msh`, version 2.2 or 4.1, text or binary), relative to the scene file. Its
+    /// physical groups are the named sets.
+    pub file: At<PathBuf>,
+    /// Multiplies the coordinates, 0.001 for a mesh in millimetres.
+    #[serde(default = "one")]
+    pub scale: Positive,
+}
+
+fn one() -> Positive {
+    Positive::new(1.0).expect("one is positive")
+}

@@ -1,0 +1,103 @@
+//! Numbers with a permitted range: a value outside cannot be read.
+
+use core::fmt;
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer};
+
+macro_rules! quantity {
+    ($(#[$doc:meta])* $name:ident, $expected:literal, $valid:expr, $schema:tt) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+        pub struct $name(f64);
+
+        impl $name {
+            /// A number, if it is finite and in the range.
+            pub fn new(value: f64) -> Option<Self> {
+                let valid: fn(f64) -> bool = $valid;
+                (value.is_finite() && valid(value)).then_some(Self(value))
+            }
+            /// The number.
+            pub fn get(self) -> f64 {
+                self.0
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                struct Reader;
+                impl Visitor<'_> for Reader {
+                    type Value = $name;
+                    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                        f.write_str($expected)
+                    }
+                    fn visit_f64<E: Error>(self, value: f64) -> Result<$name, E> {
+                        $name::new(value)
+                            .ok_or_else(|| E::invalid_value(Unexpected::Float(value), &self))
+                    }
+                    fn visit_i64<E: Error>(self, value: i64) -> Result<$name, E> {
+                        self.visit_f64(value as f64)
+                    }
+                }
+                deserializer.deserialize_f64(Reader)
+            }
+        }
+
+        impl JsonSchema for $name {
+            fn inline_schema() -> bool {
+                true
+            }
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
+                json_schema!($schema)
+            }
+        }
+    };
+}
+
+quantity! {
+    /// Any finite number.
+    Finite, "a finite number", |_| true, { "type": "number" }
+}
+quantity! {
+    /// A finite number above zero.
+    Positive, "a number above 0", |x| x > 0.0, { "type": "number", "exclusiveMinimum": 0 }
+}
+quantity! {
+    /// A finite number, zero or above.
+    NonNegative, "a number of 0 or above", |x| x >= 0.0, { "type": "number", "minimum": 0 }
+}
+quantity! {
+    /// A share: above zero, at most one.
+    Share, "a number above 0 and at most 1", |x| x > 0.0 && x <= 1.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
+}
+quantity! {
+    /// An angle from the vertical in degrees, 0 to 180.
+    Incidence, "an angle of 0 to 180 degrees", |x| (0.0..=180.0).contains(&x),
+    { "type": "number", "minimum": 0, "maximum": 180 }
+}
+quantity! {
+    /// A horizontal direction in degrees, -360 to 360.
+    Azimuth, "an angle of -360 to 360 degrees", |x| (-360.0..=360.0).contains(&x),
+    { "type": "number", "minimum": -360, "maximum": 360 }
+}
+quantity! {
+    /// Poisson's ratio, above -1 and below 0.5.
+    PoissonRatio, "a number above -1 and below 0.5", |x| x > -1.0 && x < 0.5,
+    { "type": "number", "exclusiveMinimum": -1, "exclusiveMaximum": 0.5 }
+}
+quantity! {
+    /// The amplitude ratio A of a viscous-spring boundary, 0 to 100.
+    AmplitudeRatio, "a number of 0 to 100", |x| (0.0..=100.0).contains(&x),
+    { "type": "number", "minimum": 0, "maximum": 100 }
+}
+quantity! {
+    /// The speed ratio B of a viscous-spring boundary, 0.1 to 10.
+    SpeedRatio, "a number of 0.1 to 10", |x| (0.1..=10.0).contains(&x),
+    { "type": "number", "minimum": 0.1, "maximum": 10 }
+}

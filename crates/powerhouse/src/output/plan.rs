@@ -1,0 +1,138 @@
+//! What is wanted of a run.
+
+use powerhouse_explicit_core::observe::{Cut, Motion, Place, SnapshotFields};
+
+/// Motion, and stress if the place has one, at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HistoryWish {
+    /// The name in results.
+    pub name: String,
+    /// Where.
+    pub place: Place,
+    /// Which motions.
+    pub motion: Motion,
+    /// Whether the stress of the element at a [`Place::Spot`] is wanted.
+    pub stress: bool,
+}
+
+/// The displacement of a place relative to another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RelativeWish {
+    /// The name in results.
+    pub name: String,
+    /// The place.
+    pub at: Place,
+    /// The place to which its displacement is relative.
+    pub from: Place,
+}
+
+/// A cut whose section forces are wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutWish {
+    /// The plane.
+    pub cut: Cut,
+    /// The element set that is cut.
+    pub set: String,
+}
+
+/// Greatest values over a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvelopeWish {
+    /// Which motions.
+    pub motion: Motion,
+    /// Whether principal stresses are tracked.
+    pub stress: bool,
+    /// The element sets; all elements if none is named.
+    pub sets: Vec<String>,
+    /// Time between looks (s).
+    pub every: f64,
+}
+
+/// Whole fields at a cadence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SnapshotWish {
+    /// What they hold.
+    pub fields: SnapshotFields,
+    /// Time between them (s).
+    pub every: f64,
+}
+
+/// What is wanted of a run.
+///
+/// ```
+/// use powerhouse::engine::observe::Motion;
+/// use powerhouse::model::Vec3;
+/// use powerhouse::OutputPlan;
+/// let mut plan = OutputPlan::default();
+/// plan.every = 0.01;
+/// let (crown, floor) = (Vec3::new(0.0, 0.0, -60.0), Vec3::new(0.0, 0.0, -92.0));
+/// let plan = plan
+///     .history("crown", crown, Motion::ALL)
+///     .relative("closure", crown, floor);
+/// assert_eq!(plan.histories.len(), 1);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputPlan {
+    /// Time between samples of histories, relative displacements and section forces (s).
+    pub every: f64,
+    /// Histories.
+    pub histories: Vec<HistoryWish>,
+    /// Relative displacements.
+    pub relative: Vec<RelativeWish>,
+    /// Cuts.
+    pub cuts: Vec<CutWish>,
+    /// Time between looks at the energies (s).
+    pub energies: Option<f64>,
+    /// Greatest values.
+    pub envelope: Option<EnvelopeWish>,
+    /// Whole fields.
+    pub snapshots: Option<SnapshotWish>,
+}
+
+impl Default for OutputPlan {
+    /// Nothing; samples would be 5 ms apart.
+    fn default() -> Self {
+        Self {
+            every: 0.005,
+            histories: Vec::new(),
+            relative: Vec::new(),
+            cuts: Vec::new(),
+            energies: None,
+            envelope: None,
+            snapshots: None,
+        }
+    }
+}
+
+impl OutputPlan {
+    /// Adds the motion at a place.
+    #[must_use]
+    pub fn history(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
+        self.histories.push(HistoryWish {
+            name: name.into(),
+            place: place.into(),
+            motion,
+            stress: false,
+        });
+        self
+    }
+    /// Adds the displacement of a place relative to another.
+    #[must_use]
+    pub fn relative(mut self, name: &str, at: impl Into<Place>, from: impl Into<Place>) -> Self {
+        self.relative.push(RelativeWish {
+            name: name.into(),
+            at: at.into(),
+            from: from.into(),
+        });
+        self
+    }
+    /// Adds the forces of a cut through an element set.
+    #[must_use]
+    pub fn cut(mut self, set: &str, cut: Cut) -> Self {
+        self.cuts.push(CutWish {
+            cut,
+            set: set.into(),
+        });
+        self
+    }
+}

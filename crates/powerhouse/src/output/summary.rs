@@ -1,0 +1,122 @@
+//! What a run says of itself in one file.
+
+use powerhouse_explicit_core::Ended;
+use powerhouse_explicit_core::observe::PeakRow;
+use powerhouse_model::{LimitingTerm, Mesh};
+use serde::Serialize;
+
+use super::Results;
+use crate::Remark;
+
+/// `summary.json`.
+#[derive(Debug, Serialize)]
+pub(super) struct Summary {
+    title: String,
+    software: String,
+    nodes: usize,
+    elements: usize,
+    ended: String,
+    steps: u64,
+    /// s
+    step: f64,
+    /// s
+    end_time: f64,
+    /// s
+    wall_time: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stable_step: Option<StableStepSummary>,
+    peaks: Vec<Peak>,
+    /// J, at the last look
+    energies: Vec<Energy>,
+    remarks: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct StableStepSummary {
+    /// s
+    step: f64,
+    /// s
+    assembled_limit: f64,
+    element: u64,
+    set: String,
+    term: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Peak {
+    name: String,
+    unit: &'static str,
+    value: f64,
+    /// s
+    time: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    place: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Energy {
+    name: String,
+    value: f64,
+}
+
+impl Summary {
+    pub(super) fn new(title: &str, mesh: &Mesh, results: &Results, remarks: &[Remark]) -> Self {
+        let run = &results.run;
+        Self {
+            title: title.into(),
+            software: format!("powerhouse {}", env!("CARGO_PKG_VERSION")),
+            nodes: mesh.node_count(),
+            elements: mesh.element_count(),
+            ended: match &run.ended {
+                Ended::Completed => "completed".into(),
+                Ended::Stopped => "stopped".into(),
+                Ended::Observer(name) => format!("by observer {name}"),
+            },
+            steps: run.steps,
+            step: run.step,
+            end_time: run.time,
+            wall_time: results.wall_time.as_secs_f64(),
+            stable_step: run.stable.as_ref().map(|stable| StableStepSummary {
+                step: stable.step,
+                assembled_limit: stable.assembled_limit,
+                element: stable.element,
+                set: stable.set.clone(),
+                term: match stable.term {
+                    LimitingTerm::Stiffness => "stiffness",
+                    LimitingTerm::StiffnessDamping => "stiffness damping",
+                },
+            }),
+            peaks: results
+                .peaks(mesh)
+                .rows
+                .into_iter()
+                .map(Peak::from)
+                .collect(),
+            energies: results
+                .energies
+                .columns
+                .iter()
+                .filter_map(|column| {
+                    let value = *column.values.last()?;
+                    Some(Energy {
+                        name: column.name.clone(),
+                        value,
+                    })
+                })
+                .collect(),
+            remarks: remarks.iter().map(Remark::to_string).collect(),
+        }
+    }
+}
+
+impl From<PeakRow> for Peak {
+    fn from(row: PeakRow) -> Self {
+        Self {
+            name: row.name,
+            unit: row.unit,
+            value: row.value,
+            time: row.time,
+            place: row.place.map(|place| place.to_string()),
+        }
+    }
+}

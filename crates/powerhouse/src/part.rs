@@ -1,0 +1,240 @@
+//! What an element set is made of: a material and an element kernel.
+
+use std::sync::Arc;
+
+use powerhouse_explicit_core::{BlockFactory, BlockOptions, Rayleigh, SolidKernel, solid};
+use powerhouse_model::{
+    ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind, HistoryVariable, LawInput,
+    PointAdapter, PointLaw, Stress,
+};
+
+/// A constitutive law of any type, so that a model can be composed at run time.
+///
+/// ```
+/// use powerhouse::Material;
+/// use powerhouse::material::{LinearElastic, media};
+/// let rock = Material::new(LinearElastic::new(media::ROCK));
+/// assert_eq!(rock.medium(), media::ROCK);
+/// ```
+#[derive(Clone)]
+pub struct Material(Arc<dyn AnyLaw>);
+
+impl Material {
+    /// A material that follows a law.
+    pub fn new(law: impl ConstitutiveLaw) -> Self {
+        Self(Arc::new(law))
+    }
+    /// A material that follows a law for one point: simpler to write, slower to run.
+    pub fn from_point_law(law: impl PointLaw + 'static) -> Self {
+        Self::new(PointAdapter::new(law))
+    }
+    /// The law's name.
+    pub fn name(&self) -> &str {
+        self.0.name()
+    }
+    /// The elastic medium of the undamaged material.
+    pub fn medium(&self) -> ElasticMedium {
+        self.0.medium()
+    }
+    /// Whether stress is linear in strain, without history.
+    pub fn is_linear(&self) -> bool {
+        self.0.is_linear()
+    }
+}
+
+impl core::fmt::Debug for Material {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "Material({})", self.name())
+    }
+}
+
+/// A law with its type erased.
+trait AnyLaw: Send + Sync {
+    fn name(&self) -> &str;
+    fn medium(&self) -> ElasticMedium;
+    fn is_linear(&self) -> bool;
+    fn history(&self) -> &'static [HistoryVariable];
+    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
+    /// Blocks by a kernel that this law was compiled with.
+    fn blocks(
+        &self,
+        kernel: SolidKernel,
+        set: &str,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory>;
+}
+
+impl<T: ConstitutiveLaw> AnyLaw for T {
+    fn name(&self) -> &str {
+        ConstitutiveLaw::name(self)
+    }
+    fn medium(&self) -> ElasticMedium {
+        ConstitutiveLaw::medium(self)
+    }
+    fn is_linear(&self) -> bool {
+        ConstitutiveLaw::is_linear(self)
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        ConstitutiveLaw::history(self)
+    }
+    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
+        ConstitutiveLaw::stress_change(self, input, new_history)
+    }
+    fn blocks(
+        &self,
+        kernel: SolidKernel,
+        set: &str,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory> {
+        kernel.factory(set, self.clone(), options)
+    }
+}
+
+/// Any law as a law for one point, for kernels that it was not compiled with.
+struct OneByOne(Material);
+
+impl PointLaw for OneByOne {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0.medium()
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        self.0.0.history()
+    }
+    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
+        self.0.0.stress_change(input, new_history)
+    }
+}
+
+/// An element kernel: one that comes with the software, or a user's own.
+#[derive(Clone)]
+pub struct Kernel(AnyKernel);
+
+#[derive(Clone)]
+enum AnyKernel {
+    Solid(SolidKernel),
+    Own(Arc<dyn OwnKernel>),
+}
+
+impl From<SolidKernel> for Kernel {
+    fn from(kernel: SolidKernel) -> Self {
+        Self(AnyKernel::Solid(kernel))
+    }
+}
+
+impl Kernel {
+    /// A kernel of one's own. It runs every material one point at a time, slower than a kernel
+    /// that comes with the software.
+    pub fn own<const N: usize, const P: usize>(kernel: impl ElementKernel<N, P>) -> Self {
+        Self(AnyKernel::Own(Arc::new(Own::<_, N, P>(kernel))))
+    }
+    /// The kernel's name.
+    pub fn name(&self) -> &str {
+        match &self.0 {
+            AnyKernel::Solid(kernel) => kernel.name(),
+            AnyKernel::Own(kernel) => kernel.name(),
+        }
+    }
+    /// The kind of element that it takes.
+    pub fn kind(&self) -> ElementKind {
+        match &self.0 {
+            AnyKernel::Solid(kernel) => kernel.kind(),
+            AnyKernel::Own(kernel) => kernel.kind(),
+        }
+    }
+    pub(crate) fn blocks(
+        &self,
+        set: &str,
+        material: &Material,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory> {
+        match &self.0 {
+            AnyKernel::Solid(kernel) => material.0.blocks(*kernel, set, options),
+            AnyKernel::Own(kernel) => kernel.blocks(set, material, options),
+        }
+    }
+}
+
+impl core::fmt::Debug for Kernel {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "Kernel({})", self.name())
+    }
+}
+
+trait OwnKernel: Send + Sync {
+    fn name(&self) -> &str;
+    fn kind(&self) -> ElementKind;
+    fn blocks(
+        &self,
+        set: &str,
+        material: &Material,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory>;
+}
+
+struct Own<K, const N: usize, const P: usize>(K);
+
+impl<K: ElementKernel<N, P>, const N: usize, const P: usize> OwnKernel for Own<K, N, P> {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+    fn kind(&self) -> ElementKind {
+        self.0.kind()
+    }
+    fn blocks(
+        &self,
+        set: &str,
+        material: &Material,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory> {
+        let law = PointAdapter::new(OneByOne(material.clone()));
+        solid(set, self.0.clone(), law, options)
+    }
+}
+
+/// An element set and what it is made of.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The element set of the mesh.
+    pub set: String,
+    /// The material.
+    pub material: Material,
+    /// The kernel of the elements of its kind; others, and all without one, take the default of
+    /// their kind.
+    pub kernel: Option<Kernel>,
+    /// Damping.
+    pub damping: Rayleigh,
+}
+
+impl Part {
+    /// An undamped part with the default kernels.
+    pub fn new(set: impl Into<String>, material: Material) -> Self {
+        Self {
+            set: set.into(),
+            material,
+            kernel: None,
+            damping: Rayleigh::default(),
+        }
+    }
+    /// The same with a kernel.
+    #[must_use]
+    pub fn kernel(mut self, kernel: impl Into<Kernel>) -> Self {
+        self.kernel = Some(kernel.into());
+        self
+    }
+    /// The same with damping.
+    #[must_use]
+    pub fn damping(mut self, damping: Rayleigh) -> Self {
+        self.damping = damping;
+        self
+    }
+    /// The kernel for a kind of element.
+    pub(crate) fn kernel_for(&self, kind: ElementKind) -> Option<Kernel> {
+        match &self.kernel {
+            Some(kernel) if kernel.kind() == kind => Some(kernel.clone()),
+            _ => SolidKernel::default_for(kind).map(Kernel::from),
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Laws, kernels and boundaries by name, so that scenes can name a user's own.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use powerhouse_model::{AbsorbingBoundary, ModelError};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+
+use crate::fault::{Fault, Problem};
+use crate::format::{At, BoundarySection, Material as MaterialTable, Parameters, SceneFile};
+use crate::{Kernel, Material, builtin};
+
+/// What scenes can name: constitutive laws, element kernels and absorbing boundaries.
+///
+/// ```
+/// use powerhouse::{Material, Registry};
+/// use powerhouse::material::LinearElastic;
+/// use powerhouse::model::ElasticMedium;
+///
+/// /// Rock whose Young's modulus follows from its rating.
+/// #[derive(serde::Deserialize, schemars::JsonSchema)]
+/// #[serde(deny_unknown_fields)]
+/// struct Rated {
+///     /// Rock mass rating, 20 to 85.
+///     rating: f64,
+///     /// Density (kg/m3).
+///     density: f64,
+/// }
+/// let mut registry = Registry::default();
+/// registry.add_law("rated-rock", |rated: Rated| {
+///     // Serafim and Pereira (1983): E = 10^((RMR - 10) / 40) GPa.
+///     let young = 1e9 * 10f64.powf((rated.rating - 10.0) / 40.0);
+///     Ok(Material::new(LinearElastic::new(ElasticMedium::new(young, 0.25, rated.density)?)))
+/// });
+/// assert!(registry.law_names().any(|name| name == "rated-rock"));
+/// ```
+pub struct Registry {
+    laws: BTreeMap<String, Entry<Material>>,
+    boundaries: BTreeMap<String, Entry<Arc<dyn AbsorbingBoundary>>>,
+    kernels: BTreeMap<String, Kernel>,
+}
+
+type Build<T> = Box<dyn Fn(&Parameters) -> Result<T, Fault> + Send + Sync>;
+
+struct Entry<T> {
+    build: Build<T>,
+    schema: fn(&mut SchemaGenerator) -> Schema,
+}
+
+impl<T> Entry<T> {
+    fn new<P, F>(build: F) -> Self
+    where
+        P: DeserializeOwned + JsonSchema,
+        F: Fn(P) -> Result<T, ModelError> + Send + Sync + 'static,
+    {
+        Self {
+            build: Box::new(move |parameters| {
+                build(parameters.decode()?).map_err(|error| {
+                    let key = match &error {
+                        ModelError::Parameter(parameter) => parameter.name,
+                        _ => "",
+                    };
+                    Fault::refused(parameters.span_of(key), error)
+                })
+            }),
+            schema: P::json_schema,
+        }
+    }
+}
+
+impl Default for Registry {
+    /// What comes with the software.
+    fn default() -> Self {
+        let mut registry = Self {
+            laws: BTreeMap::new(),
+            boundaries: BTreeMap::new(),
+            kernels: BTreeMap::new(),
+        };
+        builtin::register(&mut registry);
+        registry
+    }
+}
+
+impl Registry {
+    /// Adds or replaces a constitutive law. `build` makes a material of the keys of a
+    /// `[[material]]` table; the type of its argument says which keys those are.
+    pub fn add_law<P, F>(&mut self, name: impl Into<String>, build: F)
+    where
+        P: DeserializeOwned + JsonSchema,
+        F: Fn(P) -> Result<Material, ModelError> + Send + Sync + 'static,
+    {
+        self.laws.insert(name.into(), Entry::new(build));
+    }
+    /// Adds or replaces an absorbing boundary, as [`add_law`](Self::add_law).
+    pub fn add_boundary<P, F>(&mut self, name: impl Into<String>, build: F)
+    where
+        P: DeserializeOwned + JsonSchema,
+        F: Fn(P) -> Result<Arc<dyn AbsorbingBoundary>, ModelError> + Send + Sync + 'static,
+    {
+        self.boundaries.insert(name.into(), Entry::new(build));
+    }
+    /// Adds or replaces an element kernel.
+    pub fn add_kernel(&mut self, name: impl Into<String>, kernel: Kernel) {
+        self.kernels.insert(name.into(), kernel);
+    }
+    /// Names of the laws.
+    pub fn law_names(&self) -> impl Iterator<Item = &str> {
+        self.laws.keys().map(String::as_str)
+    }
+    /// Names of the boundaries.
+    pub fn boundary_names(&self) -> impl Iterator<Item = &str> {
+        self.boundaries.keys().map(String::as_str)
+    }
+    /// Names of the kernels.
+    pub fn kernel_names(&self) -> impl Iterator<Item = &str> {
+        self.kernels.keys().map(String::as_str)
+    }
+
+    pub(crate) fn material(&self, table: &MaterialTable) -> Result<Material, Fault> {
+        let entry = look_up(&self.laws, "law", &table.law)?;
+        (entry.build)(&table.parameters)
+    }
+    pub(crate) fn boundary(
+        &self,
+        section: &BoundarySection,
+    ) -> Result<Arc<dyn AbsorbingBoundary>, Fault> {
+        let entry = look_up(&self.boundaries, "boundary", &section.kind)?;
+        (entry.build)(&section.parameters)
+    }
+    pub(crate) fn kernel(&self, name: &At<String>) -> Result<&Kernel, Fault> {
+        look_up(&self.kernels, "kernel", name)
+    }
+
+    /// The JSON schema of scene files, for editors; it knows the keys of all laws and boundaries
+    /// that are registered.
+    pub fn schema(&self) -> Schema {
+        let mut generator = SchemaGenerator::default();
+        let laws = choices(&self.laws, &mut generator);
+        let boundaries = choices(&self.boundaries, &mut generator);
+        let mut root = generator.into_root_schema_for::<SceneFile>();
+        let kernels = json!({ "enum": self.kernels.keys().collect::<Vec<_>>() });
+        for (table, key, choices) in [
+            ("Material", "law", laws),
+            ("BoundarySection", "kind", boundaries),
+        ] {
+            if let Some(table) = definition(&mut root, table) {
+                open_table(table, key, choices);
+            }
+        }
+        if let Some(kernel) =
+            definition(&mut root, "Part").and_then(|part| part.pointer_mut("/properties/kernel"))
+        {
+            merge(kernel, kernels);
+        }
+        root
+    }
+}
+
+fn look_up<'r, T>(
+    entries: &'r BTreeMap<String, T>,
+    what: &'static str,
+    name: &At<String>,
+) -> Result<&'r T, Fault> {
+    entries.get(name.as_str()).ok_or_else(|| {
+        Fault::new(
+            name.span(),
+            Problem::NoSuchName {
+                what,
+                name: name.to_string(),
+                available: entries.keys().cloned().collect(),
+            },
+        )
+    })
+}
+
+/// The schema of each entry's keys, by its name.
+fn choices<T>(
+    entries: &BTreeMap<String, Entry<T>>,
+    generator: &mut SchemaGenerator,
+) -> Vec<(String, Value)> {
+    entries
+        .iter()
+        .map(|(name, entry)| {
+            let mut schema = (entry.schema)(generator);
+            // The open table closes itself, over the shared keys and these.
+            schema.remove("additionalProperties");
+            (name.clone(), schema.to_value())
+        })
+        .collect()
+}
+
+fn definition<'s>(root: &'s mut Schema, name: &str) -> Option<&'s mut Value> {
+    root.pointer_mut(&format!("/$defs/{name}"))
+}
+
+/// Lets the value of `key` decide which further keys a table has.
+fn open_table(table: &mut Value, key: &str, choices: Vec<(String, Value)>) {
+    let names: Vec<&String> = choices.iter().map(|(name, _)| name).collect();
+    if let Some(property) = table.pointer_mut(&format!("/properties/{key}")) {
+        merge(property, json!({ "enum": names }));
+    }
+    let conditions: Vec<Value> = choices
+        .iter()
+        .map(|(name, schema)| json!({ "if": { "properties": { key: { "const": name } } }, "then": schema }))
+        .collect();
+    merge(
+        table,
+        json_schema!({ "allOf": conditions, "unevaluatedProperties": false }).to_value(),
+    );
+}
+
+fn merge(into: &mut Value, from: Value) {
+    if let (Value::Object(into), Value::Object(from)) = (into, from) {
+        into.extend(from);
+    }
+}

@@ -1,0 +1,194 @@
+//! Supports, loads and functions of time.
+
+use powerhouse_explicit_core::{
+    FacePressure, FaceTraction, NodalForce, PeriodicPairs, Prescribed, Profile, Support,
+};
+use powerhouse_model::{TimeFunction, Vec3};
+
+use super::{Names, vector};
+use crate::Scene;
+use crate::fault::{Fault, Problem};
+use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_DENSITY};
+
+/// Nodes of periodic faces match within this share of the mesh's diagonal.
+const PERIODIC_TOLERANCE: f64 = 1e-6;
+
+pub(super) fn supports(
+    names: &Names,
+    supports: &[At<format::Support>],
+    scene: &mut Scene,
+) -> Result<(), Fault> {
+    for support in supports {
+        match &**support {
+            format::Support::Fixed { set } => {
+                scene.supports.push(Support::fixed(names.nodes(set)?));
+            }
+            format::Support::Roller { set, normal } => {
+                let direction = match normal {
+                    Some(normal) => vector(normal),
+                    None => mean_normal(names, set)?,
+                };
+                scene
+                    .supports
+                    .push(Support::roller(names.nodes(set)?, direction));
+            }
+            format::Support::Periodic { from, to } => {
+                let (from_nodes, to_nodes) = (names.nodes(from)?, names.nodes(to)?);
+                let (low, high) = names.mesh.bounding_box();
+                let tolerance = PERIODIC_TOLERANCE * (high - low).norm();
+                let pairs =
+                    PeriodicPairs::by_translation(names.mesh, &from_nodes, &to_nodes, tolerance)
+                        .map_err(|error| Fault::refused(to.span(), error))?;
+                scene.periodic.push(pairs);
+            }
+            format::Support::Prescribed {
+                set,
+                direction,
+                displacement,
+                function,
+            } => scene.prescribed.push(Prescribed {
+                nodes: names.nodes(set)?,
+                direction: vector(direction),
+                displacement: history(function.as_ref(), displacement.get(), support)?,
+            }),
+        }
+    }
+    Ok(())
+}
+
+/// The mean outward normal of a facet set.
+fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault> {
+    if names.mesh.facet_set(set).is_err() && names.mesh.node_set(set).is_ok() {
+        let key = "normal".into();
+        return Err(Fault::new(set.span(), Problem::MissingKey { key }));
+    }
+    let facets = names.facets(set)?.iter();
+    Ok(facets
+        .map(|&facet| names.mesh.facet_geometry(facet).vector_area)
+        .sum())
+}
+
+pub(super) fn loads(names: &Names, loads: &[At<Load>], scene: &mut Scene) -> Result<(), Fault> {
+    for load in loads {
+        let history = |factor: f64| history(load.function(), factor, load);
+        let refused = |error| Fault::refused(load.span(), error);
+        match &**load {
+            Load::Gravity { acceleration, .. } => {
+                let acceleration = acceleration.map_or(GRAVITY, Positive::get);
+                let downwards = Vec3::new(0.0, 0.0, -acceleration);
+                scene.weights.push((downwards, history(1.0)?));
+            }
+            Load::Pressure { set, pressure, .. } => {
+                let history = history(pressure.get())?;
+                let facets = names.facets(set)?;
+                let load = FacePressure::new(names.mesh, facets, Profile::Uniform, history);
+                scene.loads.push(Box::new(load.map_err(refused)?));
+            }
+            Load::Water {
+                set,
+                level,
+                density,
+                ..
+            } => {
+                let density = density.map_or(WATER_DENSITY, Positive::get);
+                let profile = Profile::Depth {
+                    gradient: density * GRAVITY,
+                    level: level.get(),
+                };
+                let facets = names.facets(set)?;
+                let load = FacePressure::new(names.mesh, facets, profile, history(1.0)?);
+                scene.loads.push(Box::new(load.map_err(refused)?));
+            }
+            Load::Traction { set, traction, .. } => {
+                let load = FaceTraction::new(
+                    names.mesh,
+                    names.facets(set)?,
+                    vector(traction),
+                    Profile::Uniform,
+                    history(1.0)?,
+                );
+                scene.loads.push(Box::new(load.map_err(refused)?));
+            }
+            Load::Nodal { set, force, .. } => {
+                let load = NodalForce::new(names.nodes(set)?, vector(force), history(1.0)?);
+                scene.loads.push(Box::new(load));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A function of time, times a factor.
+fn history<T>(
+    function: Option<&Function>,
+    factor: f64,
+    place: &At<T>,
+) -> Result<Box<dyn TimeFunction>, Fault> {
+    use core::f64::consts::{PI, TAU};
+    Ok(match function {
+        None | Some(Function::Constant {}) => Box::new(move |_: f64| factor),
+        Some(Function::Ramp { duration }) => {
+            let duration = duration.get();
+            Box::new(move |t: f64| factor * (t / duration).clamp(0.0, 1.0))
+        }
+        Some(Function::Sine { frequency }) => {
+            let rate = TAU * frequency.get();
+            Box::new(move |t: f64| factor * (rate * t).sin())
+        }
+        Some(Function::Ricker { frequency, delay }) => {
+            let (rate, delay) = (PI * frequency.get(), delay.get());
+            Box::new(move |t: f64| {
+                let a = (rate * (t - delay)).powi(2);
+                factor * (1.0 - 2.0 * a) * (-a).exp()
+            })
+        }
+        Some(Function::Table { times, values }) => {
+            let times: Vec<f64> = times.iter().copied().map(Finite::get).collect();
+            let values: Vec<f64> = values.iter().map(|v| factor * v.get()).collect();
+            let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
+            if times.is_empty() || times.len() != values.len() || !rising {
+                return Err(Fault::new(
+                    place.span(),
+                    Problem::Value {
+                        found: format!("{} times and {} values", times.len(), values.len()),
+                        expected: "a table of as many values as rising times".into(),
+                    },
+                ));
+            }
+            Box::new(move |t: f64| interpolate(&times, &values, t))
+        }
+    })
+}
+
+/// Straight lines between points, constant outside.
+fn interpolate(times: &[f64], values: &[f64], time: f64) -> f64 {
+    let after = times.partition_point(|&t| t <= time);
+    if after == 0 {
+        return values[0];
+    }
+    if after == times.len() {
+        return values[after - 1];
+    }
+    let share = (time - times[after - 1]) / (times[after] - times[after - 1]);
+    values[after - 1] + share * (values[after] - values[after - 1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A table of a function of time is linear between its points and constant outside.
+    #[test]
+    fn a_table_is_linear_inside_and_constant_outside() {
+        let (times, values) = ([1.0, 2.0, 4.0], [0.0, 10.0, -10.0]);
+        for (time, expected) in [
+            (0.0, 0.0),
+            (1.5, 5.0),
+            (2.0, 10.0),
+            (3.0, 0.0),
+            (9.0, -10.0),
+        ] {
+            assert_eq!(interpolate(&times, &values, time), expected);
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! From what a scene file says to a scene: names become sets, materials, fields and loads.
+
+mod ground;
+mod loads;
+mod output;
+mod record;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use powerhouse_explicit_core::{Leapfrog, OneSided, Precision, Rayleigh};
+use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
+
+use crate::fault::{Fault, Problem, SceneText};
+use crate::format::{self, At, Damping, Finite, SceneFile};
+use crate::scene::{Boundary, InitialMotion, TimeStep};
+use crate::{Material, Part, Registry, Remark, Scene};
+
+/// Composes the scene of a file.
+pub(crate) fn compose(
+    text: &SceneText,
+    file: &SceneFile,
+    registry: &Registry,
+) -> Result<Scene, Fault> {
+    let materials = materials(file, registry)?;
+    let parts = parts(file, &materials, registry)?;
+    let boundary = match &file.boundary {
+        Some(section) => Some(registry.boundary(section)?),
+        None => None,
+    };
+    let records = ground::records(text, file)?;
+    let mesh = mesh(text, &file.mesh)?;
+    let names = Names { mesh: &mesh };
+    check_parts(&names, file)?;
+
+    let mut scene = Scene::new(file.title.clone(), mesh.clone());
+    scene.parts = parts;
+    scene.start = file.time.start.map_or(0.0, Finite::get);
+    scene.duration = file.time.duration.get();
+    scene.initial = match file.time.initial {
+        format::InitialMotion::Rest => InitialMotion::Rest,
+        format::InitialMotion::Field => InitialMotion::Field,
+    };
+    scene.step = match *file.time.step {
+        format::Step::Auto => TimeStep::OfStable(file.time.safety.map_or(1.0, |s| s.get())),
+        format::Step::Seconds(step) => TimeStep::Seconds(step),
+    };
+    scene.integrator = match file.time.scheme {
+        format::Scheme::Leapfrog => Box::new(Leapfrog),
+        format::Scheme::OneSided => Box::new(OneSided),
+    };
+    scene.precision = match file.precision {
+        format::Precision::F64 => Precision::F64,
+        format::Precision::Mixed => Precision::Mixed,
+        format::Precision::F32 => Precision::F32,
+    };
+    scene.self_check = file.self_check.as_ref().map(|limit| limit.get());
+    if let (Some(section), Some(condition)) = (&file.boundary, boundary) {
+        for face in &section.faces {
+            names.facets(face)?;
+        }
+        scene.boundary = Some(Boundary {
+            condition,
+            faces: section.faces.iter().map(|face| face.to_string()).collect(),
+            scatterer: section.scatterer.as_ref().map(|at| vector(at)),
+        });
+    }
+    for (name, record) in &records {
+        scene.records.insert(name.clone(), record.history.clone());
+        scene.remarks.push(Remark::Record {
+            name: name.clone(),
+            report: record.report,
+            baseline: record.baseline,
+        });
+        for doubt in &record.doubts {
+            scene.remarks.push(Remark::RecordFile {
+                name: name.clone(),
+                doubt: doubt.clone(),
+            });
+        }
+    }
+    scene.field = ground::field(file, &mut scene, &records)?;
+    loads::supports(&names, &file.supports, &mut scene)?;
+    loads::loads(&names, &file.loads, &mut scene)?;
+    scene.output = output::plan(&names, &file.output, file.time.duration.get())?;
+    Ok(scene)
+}
+
+fn materials(file: &SceneFile, registry: &Registry) -> Result<BTreeMap<String, Material>, Fault> {
+    let mut materials = BTreeMap::new();
+    for table in &file.materials {
+        let material = registry.material(table)?;
+        unique("material", &table.name, &mut materials, material)?;
+    }
+    Ok(materials)
+}
+
+fn parts(
+    file: &SceneFile,
+    materials: &BTreeMap<String, Material>,
+    registry: &Registry,
+) -> Result<Vec<Part>, Fault> {
+    file.parts
+        .iter()
+        .map(|table| {
+            let material = named("material", &table.material, materials)?;
+            let mut part = Part::new(table.set.to_string(), material.clone());
+            if let Some(kernel) = &table.kernel {
+                part = part.kernel(registry.kernel(kernel)?.clone());
+            }
+            if let Some(damping) = &table.damping {
+                let rayleigh = rayleigh(damping);
+                part = part.damping(rayleigh.map_err(|e| Fault::refused(damping.span(), e))?);
+            }
+            Ok(part)
+        })
+        .collect()
+}
+
+fn rayleigh(damping: &Damping) -> Result<Rayleigh, powerhouse_model::ParameterError> {
+    match damping {
+        Damping::Rayleigh { ratio, frequencies } => {
+            Rayleigh::from_ratio(ratio.get(), frequencies[0].get(), frequencies[1].get())
+        }
+        Damping::Coefficients { mass, stiffness } => Ok(Rayleigh {
+            mass: mass.get(),
+            stiffness: stiffness.get(),
+        }),
+    }
+}
+
+fn mesh(text: &SceneText, table: &format::MeshFile) -> Result<Mesh, Fault> {
+    let refused =
+        |error: Box<dyn std::error::Error + Send + Sync>| Fault::refused(table.file.span(), error);
+    let path: PathBuf = text.folder().join(&*table.file);
+    let mesh = powerhouse_io::read_gmsh(path)
+        .map_err(|e| refused(e.into()))?
+        .mesh;
+    match table.scale.get() {
+        1.0 => Ok(mesh),
+        scale => mesh
+            .map_positions(|x| x * scale)
+            .map_err(|e| refused(e.into())),
+    }
+}
+
+/// Every element belongs to one part.
+fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
+    let mesh = names.mesh;
+    let mut owners = vec![0_usize; mesh.element_count()];
+    for part in &file.parts {
+        for &element in names.elements(&part.set)? {
+            owners[element as usize] += 1;
+            if owners[element as usize] > 1 {
+                return Err(part_count(mesh, part.set.span(), element, 2));
+            }
+        }
+    }
+    match (
+        owners.iter().position(|&count| count == 0),
+        file.parts.last(),
+    ) {
+        (Some(element), Some(part)) => Err(part_count(mesh, part.set.span(), element as u32, 0)),
+        _ => Ok(()),
+    }
+}
+
+fn part_count(mesh: &Mesh, span: core::ops::Range<usize>, element: u32, count: usize) -> Fault {
+    let element = mesh.element_tags()[element as usize];
+    Fault::new(span, Problem::PartCount { element, count })
+}
+
+/// Looks up the names of a mesh.
+struct Names<'m> {
+    mesh: &'m Mesh,
+}
+
+impl<'m> Names<'m> {
+    fn elements(&self, name: &At<String>) -> Result<&'m [u32], Fault> {
+        self.mesh
+            .element_set(name)
+            .map_err(|e| no_such_set(name, e))
+    }
+    fn facets(&self, name: &At<String>) -> Result<&'m [Facet], Fault> {
+        self.mesh.facet_set(name).map_err(|e| no_such_set(name, e))
+    }
+    /// Nodes of a node or facet set.
+    fn nodes(&self, name: &At<String>) -> Result<Vec<u32>, Fault> {
+        if let Ok(nodes) = self.mesh.node_set(name) {
+            return Ok(nodes.to_vec());
+        }
+        if let Ok(facets) = self.mesh.facet_set(name) {
+            return Ok(self.mesh.nodes_of_facets(facets));
+        }
+        let sets = self.mesh.node_sets().keys();
+        Err(Fault::new(
+            name.span(),
+            Problem::NoSuchName {
+                what: "node or facet set",
+                name: name.to_string(),
+                available: sets.chain(self.mesh.facet_sets().keys()).cloned().collect(),
+            },
+        ))
+    }
+}
+
+fn no_such_set(name: &At<String>, error: MeshError) -> Fault {
+    let problem = match error {
+        MeshError::NoSuchSet {
+            what, available, ..
+        } => Problem::NoSuchName {
+            what: match what {
+                "element" => "element set",
+                "facet" => "facet set",
+                _ => "node set",
+            },
+            name: name.to_string(),
+            available,
+        },
+        other => Problem::Refused(other.into()),
+    };
+    Fault::new(name.span(), problem)
+}
+
+fn named<'m, T>(
+    what: &'static str,
+    name: &At<String>,
+    items: &'m BTreeMap<String, T>,
+) -> Result<&'m T, Fault> {
+    items.get(name.as_str()).ok_or_else(|| {
+        Fault::new(
+            name.span(),
+            Problem::NoSuchName {
+                what,
+                name: name.to_string(),
+                available: items.keys().cloned().collect(),
+            },
+        )
+    })
+}
+
+fn unique<T>(
+    what: &'static str,
+    name: &At<String>,
+    items: &mut BTreeMap<String, T>,
+    item: T,
+) -> Result<(), Fault> {
+    match items.insert(name.to_string(), item) {
+        None => Ok(()),
+        Some(_) => Err(Fault::new(
+            name.span(),
+            Problem::Duplicate {
+                what,
+                name: name.to_string(),
+            },
+        )),
+    }
+}
+
+fn vector(numbers: &[Finite; 3]) -> Vec3 {
+    Vec3::from(numbers.map(Finite::get))
+}

@@ -1,0 +1,113 @@
+//! Which medium and which part stand where.
+
+use powerhouse_model::{ElasticMedium, Facet, MeshError, Vec3};
+
+use super::Scene;
+use crate::Error;
+
+impl Scene {
+    /// The index of the part that each element belongs to.
+    ///
+    /// # Errors
+    /// A set that does not exist; an element of no part, or of several.
+    pub fn part_of_elements(&self) -> Result<Vec<usize>, Error> {
+        const NONE: usize = usize::MAX;
+        let mut owner = vec![NONE; self.mesh.element_count()];
+        let tag = |element: usize| self.mesh.element_tags()[element];
+        for (index, part) in self.parts.iter().enumerate() {
+            for &element in self.mesh.element_set(&part.set)? {
+                let place = &mut owner[element as usize];
+                if *place != NONE {
+                    let element = tag(element as usize);
+                    return Err(Error::PartCount { element, count: 2 });
+                }
+                *place = index;
+            }
+        }
+        match owner.iter().position(|&part| part == NONE) {
+            Some(element) => Err(Error::PartCount {
+                element: tag(element),
+                count: 0,
+            }),
+            None => Ok(owner),
+        }
+    }
+
+    /// The facets of the absorbing faces, face by face.
+    ///
+    /// # Errors
+    /// A set that does not exist.
+    pub fn absorbing_facets(&self) -> Result<Vec<(&str, &[Facet])>, MeshError> {
+        let faces = self.boundary.iter().flat_map(|boundary| &boundary.faces);
+        faces
+            .map(|face| Ok((face.as_str(), self.mesh.facet_set(face)?)))
+            .collect()
+    }
+
+    /// The indices of the parts behind the absorbing faces, each once, in the order of the parts.
+    ///
+    /// # Errors
+    /// As the two above.
+    pub fn parts_behind_boundary(&self) -> Result<Vec<usize>, Error> {
+        let owner = self.part_of_elements()?;
+        let facets = self.absorbing_facets()?;
+        let behind = facets.iter().flat_map(|(_, facets)| facets.iter());
+        let mut behind: Vec<usize> = behind.map(|facet| owner[facet.element as usize]).collect();
+        behind.sort_unstable();
+        behind.dedup();
+        Ok(behind)
+    }
+
+    /// The different media behind the absorbing faces, in which a free field lives if it is one.
+    ///
+    /// # Errors
+    /// As [`parts_behind_boundary`](Self::parts_behind_boundary).
+    pub fn media_behind_boundary(&self) -> Result<Vec<ElasticMedium>, Error> {
+        let mut media: Vec<ElasticMedium> = Vec::new();
+        for part in self.parts_behind_boundary()? {
+            let medium = self.parts[part].material.medium();
+            if !media.contains(&medium) {
+                media.push(medium);
+            }
+        }
+        Ok(media)
+    }
+
+    /// The centre of what scatters (m): as given, or the middle of the box around the parts that
+    /// touch no absorbing face, or around the mesh if all do.
+    ///
+    /// # Errors
+    /// As [`parts_behind_boundary`](Self::parts_behind_boundary).
+    pub fn scatterer(&self) -> Result<Vec3, Error> {
+        if let Some(centre) = self
+            .boundary
+            .as_ref()
+            .and_then(|boundary| boundary.scatterer)
+        {
+            return Ok(centre);
+        }
+        let behind = self.parts_behind_boundary()?;
+        let inner = self
+            .parts
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| !behind.contains(i));
+        let mut elements = Vec::new();
+        for (_, part) in inner {
+            elements.extend_from_slice(self.mesh.element_set(&part.set)?);
+        }
+        let (low, high) = if elements.is_empty() {
+            self.mesh.bounding_box()
+        } else {
+            let nodes = self.mesh.nodes_of_elements(&elements);
+            let positions = nodes
+                .iter()
+                .map(|&node| self.mesh.positions()[node as usize]);
+            let infinite = Vec3::repeat(f64::INFINITY);
+            positions.fold((infinite, -infinite), |(low, high), x| {
+                (low.inf(&x), high.sup(&x))
+            })
+        };
+        Ok((low + high) / 2.0)
+    }
+}

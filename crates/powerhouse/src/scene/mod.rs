@@ -1,0 +1,325 @@
+//! A scene: everything that a run needs, composed from names or from Rust.
+
+mod file;
+mod medium;
+mod prepare;
+
+pub(crate) use prepare::field_motion;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use powerhouse_explicit_core::{Leapfrog, PeriodicPairs, Precision, Prescribed, Support};
+use powerhouse_model::{
+    AbsorbingBoundary, Constraint, IncidentField, Mesh, NodalLoad, TimeFunction, TimeIntegrator,
+    Vec3,
+};
+
+use powerhouse_wavefield::TimeHistory;
+
+use crate::output::{OutputPlan, ResultFolder};
+use crate::{Part, Remark, SceneText};
+
+/// Where the mesh ends and the ground goes on.
+#[derive(Clone)]
+pub struct Boundary {
+    /// What absorbs.
+    pub condition: Arc<dyn AbsorbingBoundary>,
+    /// The facet sets on which it stands.
+    pub faces: Vec<String>,
+    /// The centre of what scatters (m); without one, the middle of the parts that touch no
+    /// absorbing face, or of the mesh's box if all do.
+    pub scatterer: Option<Vec3>,
+}
+
+impl Boundary {
+    /// A boundary on faces of the mesh.
+    pub fn new<N: Into<String>>(
+        condition: impl AbsorbingBoundary + 'static,
+        faces: impl IntoIterator<Item = N>,
+    ) -> Self {
+        Self {
+            condition: Arc::new(condition),
+            faces: faces.into_iter().map(Into::into).collect(),
+            scatterer: None,
+        }
+    }
+    /// The same around a scatterer (m).
+    #[must_use]
+    pub fn scatterer(mut self, centre: Vec3) -> Self {
+        self.scatterer = Some(centre);
+        self
+    }
+}
+
+/// The time step of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeStep {
+    /// This share of the stable step, above 0 and at most 1.
+    OfStable(f64),
+    /// A step (s); refused if it is above the stable one.
+    Seconds(f64),
+}
+
+/// The body's motion at the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InitialMotion {
+    /// At rest.
+    #[default]
+    Rest,
+    /// The motion of the incident field.
+    Field,
+}
+
+/// Everything that a run needs: a mesh, its parts, what acts on it, and what is wanted of it.
+///
+/// A scene is read from a file ([`Scene::from_file`]) or composed here; both give the same type.
+/// ```
+/// use powerhouse::boundary::ViscousSpring;
+/// use powerhouse::material::{LinearElastic, media};
+/// use powerhouse::model::{Mesh, Vec3};
+/// use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
+/// use powerhouse::{Boundary, Material, Part, Scene};
+/// use std::sync::Arc;
+///
+/// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(400.0), [4, 4, 4], "rock")?;
+/// let pulse = Arc::new(SmoothPulse::new(0.01, 0.8)?);
+/// let wave = PlaneWave::new(PlaneWaveParameters::vertical(WaveKind::P, media::ROCK, 400.0), pulse)?;
+/// let scene = Scene::new("box", mesh)
+///     .part(Part::new("rock", Material::new(LinearElastic::new(media::ROCK))))
+///     .field(wave)
+///     .boundary(Boundary::new(
+///         ViscousSpring::default(),
+///         ["left", "right", "front", "back", "bottom"],
+///     ).scatterer(Vec3::new(200.0, 200.0, 400.0)))
+///     .duration(0.2);
+/// let mut simulation = scene.prepare()?;
+/// assert!(simulation.stable_step()?.step > 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Scene {
+    pub(crate) title: String,
+    pub(crate) mesh: Arc<Mesh>,
+    pub(crate) parts: Vec<Part>,
+    pub(crate) field: Option<Arc<dyn IncidentField>>,
+    pub(crate) boundary: Option<Boundary>,
+    pub(crate) supports: Vec<Support>,
+    pub(crate) periodic: Vec<PeriodicPairs>,
+    pub(crate) prescribed: Vec<Prescribed>,
+    pub(crate) loads: Vec<Box<dyn NodalLoad>>,
+    pub(crate) weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
+    pub(crate) constraints: Vec<Box<dyn Constraint>>,
+    pub(crate) duration: f64,
+    pub(crate) start: f64,
+    pub(crate) initial: InitialMotion,
+    pub(crate) step: TimeStep,
+    pub(crate) integrator: Box<dyn TimeIntegrator>,
+    pub(crate) precision: Precision,
+    pub(crate) threads: Option<usize>,
+    pub(crate) output: OutputPlan,
+    pub(crate) self_check: Option<f64>,
+    pub(crate) remarks: Vec<Remark>,
+    pub(crate) records: BTreeMap<String, TimeHistory>,
+    pub(crate) source: Option<Arc<SceneText>>,
+    pub(crate) directory: Option<PathBuf>,
+}
+
+impl Scene {
+    /// An undriven scene of a mesh without parts: one second of leapfrog steps in double precision.
+    pub fn new(title: impl Into<String>, mesh: Mesh) -> Self {
+        Self {
+            title: title.into(),
+            mesh: Arc::new(mesh),
+            parts: Vec::new(),
+            field: None,
+            boundary: None,
+            supports: Vec::new(),
+            periodic: Vec::new(),
+            prescribed: Vec::new(),
+            loads: Vec::new(),
+            weights: Vec::new(),
+            constraints: Vec::new(),
+            duration: 1.0,
+            start: 0.0,
+            initial: InitialMotion::Rest,
+            step: TimeStep::OfStable(1.0),
+            integrator: Box::new(Leapfrog),
+            precision: Precision::F64,
+            threads: None,
+            output: OutputPlan::default(),
+            self_check: None,
+            remarks: Vec::new(),
+            records: BTreeMap::new(),
+            source: None,
+            directory: None,
+        }
+    }
+    /// Adds a part; every element of the mesh must belong to exactly one.
+    #[must_use]
+    pub fn part(mut self, part: Part) -> Self {
+        self.parts.push(part);
+        self
+    }
+    /// Sets the motion of the site without the structure.
+    #[must_use]
+    pub fn field(mut self, field: impl IncidentField + 'static) -> Self {
+        self.field = Some(Arc::new(field));
+        self
+    }
+    /// The same for a field that another scene has too.
+    #[must_use]
+    pub fn shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
+        self.field = Some(field);
+        self
+    }
+    /// Sets where the mesh ends.
+    #[must_use]
+    pub fn boundary(mut self, boundary: Boundary) -> Self {
+        self.boundary = Some(boundary);
+        self
+    }
+    /// Adds nodes that are held.
+    #[must_use]
+    pub fn support(mut self, support: Support) -> Self {
+        self.supports.push(support);
+        self
+    }
+    /// Adds nodes that move as one.
+    #[must_use]
+    pub fn periodic(mut self, pairs: PeriodicPairs) -> Self {
+        self.periodic.push(pairs);
+        self
+    }
+    /// Adds nodes whose motion is given.
+    #[must_use]
+    pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
+        self.prescribed.push(prescribed);
+        self
+    }
+    /// Adds a load.
+    #[must_use]
+    pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
+        self.loads.push(Box::new(load));
+        self
+    }
+    /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.
+    #[must_use]
+    pub fn gravity(mut self, acceleration: Vec3, history: impl TimeFunction + 'static) -> Self {
+        self.weights.push((acceleration, Box::new(history)));
+        self
+    }
+    /// Adds a condition that corrects predicted velocities, such as a joint.
+    #[must_use]
+    pub fn constraint(mut self, constraint: impl Constraint + 'static) -> Self {
+        self.constraints.push(Box::new(constraint));
+        self
+    }
+    /// Sets how long the run lasts (s).
+    #[must_use]
+    pub fn duration(mut self, duration: f64) -> Self {
+        self.duration = duration;
+        self
+    }
+    /// Sets the time at which the run starts (s), and how.
+    #[must_use]
+    pub fn start(mut self, time: f64, motion: InitialMotion) -> Self {
+        (self.start, self.initial) = (time, motion);
+        self
+    }
+    /// Sets the time step.
+    #[must_use]
+    pub fn step(mut self, step: TimeStep) -> Self {
+        self.step = step;
+        self
+    }
+    /// Sets the scheme.
+    #[must_use]
+    pub fn integrator(mut self, integrator: impl TimeIntegrator + 'static) -> Self {
+        self.integrator = Box::new(integrator);
+        self
+    }
+    /// Sets the number format.
+    #[must_use]
+    pub fn precision(mut self, precision: Precision) -> Self {
+        self.precision = precision;
+        self
+    }
+    /// Computes with so many threads instead of all; the bits of results do not depend on it.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = Some(threads);
+        self
+    }
+    /// Sets what is recorded.
+    #[must_use]
+    pub fn output(mut self, output: OutputPlan) -> Self {
+        self.output = output;
+        self
+    }
+
+    /// The title.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+    /// The parts.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+    /// The motion of the site without the structure.
+    pub fn incident_field(&self) -> Option<&Arc<dyn IncidentField>> {
+        self.field.as_ref()
+    }
+    /// Where the mesh ends.
+    pub fn absorbing_boundary(&self) -> Option<&Boundary> {
+        self.boundary.as_ref()
+    }
+    /// How long the run lasts (s).
+    pub fn run_duration(&self) -> f64 {
+        self.duration
+    }
+    /// The time at which it starts (s).
+    pub fn start_time(&self) -> f64 {
+        self.start
+    }
+    /// How the body moves then.
+    pub fn initial_motion(&self) -> InitialMotion {
+        self.initial
+    }
+    /// What is recorded.
+    pub fn output_plan(&self) -> &OutputPlan {
+        &self.output
+    }
+    /// The largest permitted error of the free field, if a run is to check it first.
+    pub fn self_check(&self) -> Option<f64> {
+        self.self_check
+    }
+    /// The records of the scene's file as they enter its waves, by name.
+    pub fn records(&self) -> &BTreeMap<String, TimeHistory> {
+        &self.records
+    }
+    /// The file that the scene was read from, with its text.
+    pub fn source(&self) -> Option<&Arc<SceneText>> {
+        self.source.as_ref()
+    }
+    /// The folder for the files of a run: as the scene says, or `results/` and the name of the
+    /// scene's file.
+    pub fn result_folder(&self) -> ResultFolder {
+        let named = || {
+            let stem = self
+                .source
+                .as_ref()
+                .and_then(|source| source.path.file_stem());
+            Path::new("results").join(stem.unwrap_or("scene".as_ref()))
+        };
+        ResultFolder::new(self.directory.clone().unwrap_or_else(named))
+    }
+    /// What was found while the scene was composed.
+    pub fn remarks(&self) -> &[Remark] {
+        &self.remarks
+    }
+}

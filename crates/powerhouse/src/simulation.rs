@@ -1,0 +1,187 @@
+//! A model ready to run, and its run.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use powerhouse_explicit_core::observe::{Snapshot, SnapshotSink, Snapshots};
+use powerhouse_explicit_core::{Model, Progress, RunOptions, StableStep, StepChoice, run};
+use powerhouse_model::{Cadence, IncidentField, Mesh, ModelError, Observer, TimeIntegrator};
+
+use crate::output::{OutputPlan, Recordings, Results};
+use crate::scene::{TimeStep, field_motion};
+use crate::{Error, Remark};
+
+/// Told after every step where a run stands.
+pub type ProgressHook<'a> = Box<dyn FnMut(Progress) + Send + 'a>;
+
+/// What a run is given beside its scene.
+#[derive(Default)]
+pub struct RunHooks<'a> {
+    /// Called after every step.
+    pub progress: Option<ProgressHook<'a>>,
+    /// Raised from outside, it ends the run after one more step; the results are complete up to
+    /// there.
+    pub stop: Option<Arc<AtomicBool>>,
+    /// Takes the snapshots that the scene asks for.
+    pub snapshots: Option<Box<dyn SnapshotSink>>,
+    /// Further observers.
+    pub observers: Vec<Box<dyn Observer>>,
+}
+
+/// A model ready to run.
+pub struct Simulation {
+    title: String,
+    mesh: Arc<Mesh>,
+    model: Model,
+    integrator: Box<dyn TimeIntegrator>,
+    step: TimeStep,
+    duration: f64,
+    /// The field whose motion the body starts with.
+    initial: Option<Arc<dyn IncidentField>>,
+    plan: OutputPlan,
+    observed: (Recordings, Vec<Box<dyn Observer>>),
+    remarks: Vec<Remark>,
+}
+
+impl Simulation {
+    pub(crate) fn new(
+        (title, mesh, model): (String, Arc<Mesh>, Model),
+        (integrator, step, duration): (Box<dyn TimeIntegrator>, TimeStep, f64),
+        initial: Option<Arc<dyn IncidentField>>,
+        (plan, observed): (OutputPlan, (Recordings, Vec<Box<dyn Observer>>)),
+        remarks: Vec<Remark>,
+    ) -> Self {
+        Self {
+            title,
+            mesh,
+            model,
+            integrator,
+            step,
+            duration,
+            initial,
+            plan,
+            observed,
+            remarks,
+        }
+    }
+    /// The scene's title.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+    /// The engine's model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+    /// What is recorded.
+    pub fn output_plan(&self) -> &OutputPlan {
+        &self.plan
+    }
+    /// What was found while the scene was composed.
+    pub fn remarks(&self) -> &[Remark] {
+        &self.remarks
+    }
+    /// How long the run lasts (s).
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+    /// The scheme's name.
+    pub fn scheme(&self) -> &'static str {
+        self.integrator.name()
+    }
+
+    /// The stable step and the element that limits it. The first call costs some tens of force
+    /// evaluations.
+    ///
+    /// # Errors
+    /// If the scheme is unstable at every step under the scene's damping.
+    pub fn stable_step(&mut self) -> Result<StableStep, Error> {
+        Ok(self.model.stable_step(self.integrator.as_ref())?)
+    }
+    /// The step that a run takes (s).
+    ///
+    /// # Errors
+    /// As [`stable_step`](Self::stable_step).
+    pub fn step(&mut self) -> Result<f64, Error> {
+        Ok(match self.step {
+            TimeStep::OfStable(share) => share * self.stable_step()?.step,
+            TimeStep::Seconds(step) => step,
+        })
+    }
+
+    /// Replaces the scene's step.
+    pub fn set_step(&mut self, step: TimeStep) {
+        self.step = step;
+    }
+
+    /// Runs the scene to its end.
+    ///
+    /// # Errors
+    /// A step above the stable one, or what ended the run before its time.
+    pub fn run(mut self, hooks: RunHooks) -> Result<Results, Error> {
+        let started = Instant::now();
+        let step = self.step()?;
+        if let Some(field) = self.initial.take() {
+            let now = (self.model.time(), step);
+            let nodes = self.mesh.positions();
+            let (displacement, velocity) = field_motion(field.as_ref(), nodes, now)?;
+            self.model.set_initial(&displacement, &velocity)?;
+        }
+        let (recordings, mut observers) = self.observed;
+        if let (Some(wish), Some(sink)) = (self.plan.snapshots, hooks.snapshots) {
+            let cadence = Cadence::Seconds(wish.every);
+            let snapshots = Snapshots::new(&self.mesh, wish.fields, cadence, Boxed(sink));
+            observers.push(Box::new(snapshots.map_err(ModelError::from)?));
+        }
+        observers.extend(hooks.observers);
+        let mut options = RunOptions::seconds(self.duration).with_step(StepChoice::Fixed(step));
+        options.stop = hooks.stop;
+        let mut progress = hooks.progress.unwrap_or_else(|| Box::new(|_| {}));
+        let report = run(
+            &mut self.model,
+            self.integrator.as_ref(),
+            &options,
+            &mut observers,
+            &mut progress,
+        )?;
+        Ok(recordings.finish(report, started.elapsed()))
+    }
+
+    /// Takes some steps without looking at them, to see how long they take: what a step of a run
+    /// costs beside its observers. The model has moved afterwards.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn time_steps(&mut self, count: u64) -> Result<Duration, Error> {
+        let step = self.step()?;
+        let options = RunOptions::steps(count).with_step(StepChoice::Fixed(step));
+        let started = Instant::now();
+        run(
+            &mut self.model,
+            self.integrator.as_ref(),
+            &options,
+            &mut [],
+            &mut |_| {},
+        )?;
+        Ok(started.elapsed())
+    }
+}
+
+/// A sink of any type as a sink.
+struct Boxed(Box<dyn SnapshotSink>);
+
+impl SnapshotSink for Boxed {
+    fn take(
+        &mut self,
+        snapshot: &Snapshot,
+    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        self.0.take(snapshot)
+    }
+    fn finish(&mut self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        self.0.finish()
+    }
+}
