@@ -1,2 +1,95 @@
-//! The command `powerhouse`.
-fn main() {}
+//! The command `powerhouse`: run and check scenes.
+//!
+//! Exit status: 0 if all is well, 1 if a check warns, 2 if something is refused or fails, 130 if
+//! a run was interrupted (its output is complete up to there).
+
+mod check;
+mod progress;
+mod report;
+mod run;
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use powerhouse::{Error, Registry};
+use powerhouse_study::StudyError;
+
+/// Explicit dynamic analysis of underground structures under waves that arrive at an angle.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Exit status: 0 all is well, 1 a check warns, 2 refused or failed, 130 interrupted."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a scene and write its results.
+    Run {
+        /// The scene file.
+        scene: PathBuf,
+        /// The folder for results, in place of the scene's own.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// Tell what a run of a scene would be, without running it.
+    Check {
+        /// The scene file.
+        scene: PathBuf,
+        /// Compute the scene's box without the structure and compare it with the field that comes
+        /// in.
+        #[arg(long)]
+        free_field: bool,
+    },
+    /// Print the JSON schema of scene files, for editors.
+    Schema,
+}
+
+/// What a command ends with.
+type Outcome = Result<ExitCode, Box<dyn std::error::Error>>;
+
+/// The exit status of a check that warns.
+const WARNED: u8 = 1;
+/// The exit status of what is refused or fails.
+const FAILED: u8 = 2;
+/// The exit status of an interrupted run.
+const INTERRUPTED: u8 = 130;
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Run { scene, out } => run::run(&scene, out),
+        Command::Check {
+            scene,
+            free_field: false,
+        } => check::check(&scene),
+        Command::Check {
+            scene,
+            free_field: true,
+        } => check::free_field(&scene),
+        Command::Schema => {
+            println!("{:#}", Registry::default().schema().to_value());
+            Ok(ExitCode::SUCCESS)
+        }
+    };
+    outcome.unwrap_or_else(|error| {
+        eprintln!("{}", explain(error.as_ref()));
+        ExitCode::from(FAILED)
+    })
+}
+
+/// A fault of a scene file with the lines that it points at, any other error in one line.
+fn explain(error: &(dyn std::error::Error + 'static)) -> String {
+    let own = match error.downcast_ref::<StudyError>() {
+        Some(StudyError::Scene(error)) => Some(error),
+        _ => error.downcast_ref::<Error>(),
+    };
+    match own {
+        Some(Error::Scene(fault)) => fault.render(std::io::stderr().is_terminal()),
+        _ => format!("error: {error}"),
+    }
+}

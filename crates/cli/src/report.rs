@@ -1,0 +1,157 @@
+//! What is printed.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use powerhouse::engine::{Ended, StableStep};
+use powerhouse::model::{LimitingTerm, Mesh};
+use powerhouse::{Error, Remark, Results, Simulation};
+use powerhouse_study::{CheckReport, FreeFieldReport};
+
+pub(crate) fn before_run(simulation: &mut Simulation) -> Result<(), Error> {
+    let mesh = simulation.mesh().clone();
+    println!("{}", simulation.title());
+    println!(
+        "{} nodes, {} elements",
+        mesh.node_count(),
+        mesh.element_count()
+    );
+    remarks(simulation.remarks());
+    let stable = simulation.stable_step()?;
+    step(&stable, simulation.step()?);
+    Ok(())
+}
+
+fn remarks(remarks: &[Remark]) {
+    for remark in remarks {
+        let word = if remark.is_warning() { "warning: " } else { "" };
+        println!("{word}{remark}");
+    }
+}
+
+fn step(stable: &StableStep, step: f64) {
+    println!(
+        "step {step:.4e} s; stable up to {:.4e} s, limited by the {} of element {} in '{}' ({} alike)",
+        stable.step,
+        match stable.term {
+            LimitingTerm::Stiffness => "size and stiffness",
+            LimitingTerm::StiffnessDamping => "stiffness damping",
+        },
+        stable.element,
+        stable.set,
+        stable.similar_elements,
+    );
+    if let Some(next) = stable.next_set_bound {
+        println!(
+            "without its worst elements in '{}' the step could grow {:.2} times",
+            stable.set,
+            next / stable.element_bound
+        );
+    }
+}
+
+pub(crate) fn free_field(report: &FreeFieldReport) {
+    let [x, y, z] = report.cells;
+    println!(
+        "free field without the structure: {x} x {y} x {z} bricks, step {:.3e} s, {:.2} s computed",
+        report.step, report.window
+    );
+    for point in &report.points {
+        let p = point.position;
+        println!(
+            "  {:<10} ({:.2}, {:.2}, {:.2}): relative error {:.5} of displacement, {:.5} of velocity",
+            point.name, p.x, p.y, p.z, point.displacement, point.velocity
+        );
+    }
+}
+
+pub(crate) fn check(report: &CheckReport) {
+    let quality = &report.quality;
+    println!("{}", report.title);
+    println!("\nmesh");
+    println!("  {} nodes, {} elements", report.nodes, report.elements);
+    println!(
+        "  edges {:.3} to {:.3} m, longest to shortest in one element at most {:.2}",
+        quality.shortest_edge, quality.longest_edge, quality.largest_aspect
+    );
+    println!(
+        "  least scaled Jacobian {:.3}, element {}",
+        quality.least_scaled_jacobian, quality.worst_element
+    );
+    println!("\nfrequencies carried with ten elements per wavelength of shear waves");
+    for part in &report.resolution {
+        println!(
+            "  {:<16} {:>7.2} Hz  ({:.0} m/s, edges up to {:.2} m)",
+            part.set, part.frequency, part.s_speed, part.longest_edge
+        );
+    }
+    println!("\nground motion");
+    remarks(&report.remarks);
+    println!("\nrun");
+    let cost = &report.cost;
+    step(&report.stable, cost.step);
+    println!(
+        "{} steps, about {} of wall time",
+        cost.steps,
+        duration(cost.wall_time)
+    );
+    println!(
+        "about {} of memory, at most {} of files",
+        bytes(cost.memory),
+        bytes(cost.output)
+    );
+    match report.warnings.len() {
+        0 => println!("\nno warnings"),
+        count => println!("\n{count} warning(s)"),
+    }
+    for warning in &report.warnings {
+        println!("  {warning}");
+    }
+}
+
+pub(crate) fn after_run(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
+    let run = &results.run;
+    let how = match &run.ended {
+        Ended::Completed => "completed".into(),
+        Ended::Stopped => "interrupted".into(),
+        Ended::Observer(name) => format!("ended by {name}"),
+    };
+    let wall = results.wall_time.as_secs_f64();
+    println!(
+        "{how}: {} steps to t = {:.3} s in {wall:.1} s, {:.0} ns per element and step",
+        run.steps,
+        run.time,
+        1e9 * wall / (run.steps as f64 * mesh.element_count() as f64),
+    );
+    println!("\npeaks\n{}", results.peaks(mesh));
+    if !results.energies.columns.is_empty() {
+        println!("energies at the end (J)");
+        for column in &results.energies.columns {
+            if let Some(value) = column.values.last() {
+                println!("  {:<24} {value:>12.4e}", column.name);
+            }
+        }
+    }
+    println!("\nfiles");
+    for file in files {
+        println!("  {}", file.display());
+    }
+}
+
+/// A time in seconds, minutes or hours.
+fn duration(time: Duration) -> String {
+    match time.as_secs_f64() {
+        s if s < 120.0 => format!("{s:.1} s"),
+        s if s < 7200.0 => format!("{:.1} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// A number of bytes.
+fn bytes(count: u64) -> String {
+    match count as f64 {
+        b if b < 1e6 => format!("{:.0} kB", b / 1e3),
+        b if b < 1e9 => format!("{:.0} MB", b / 1e6),
+        b => format!("{:.1} GB", b / 1e9),
+    }
+}
