@@ -2,7 +2,7 @@
 //! or full space.
 //!
 //! A [`Signal`] is the displacement that a wave carries: a test pulse ([`SmoothPulse`],
-//! [`ZeroMeanPulse`], [`Ricker`], [`HarmonicBurst`]) or a record ([`TimeHistory`], made into a
+//! [`RaisedCosinePulse`], [`ZeroMeanPulse`], [`Ricker`], [`HarmonicBurst`]) or a record ([`TimeHistory`], made into a
 //! [`RecordSignal`]). A [`PlaneWave`] carries it through a medium, under a free surface with its
 //! reflections, and is the [`IncidentField`](powerhouse_model::IncidentField) of a boundary;
 //! several add up in a [`Superposition`]. What a record *is* (the incident wave, an outcrop, the
@@ -91,7 +91,9 @@ pub use error::WaveError;
 pub use history::{
     BaselineCorrection, BaselineReport, EndDisplacement, RecordReport, RecordSignal, TimeHistory,
 };
-pub use pulse::{HarmonicBurst, Ricker, RickerQuantity, SmoothPulse, ZeroMeanPulse};
+pub use pulse::{
+    HarmonicBurst, RaisedCosinePulse, Ricker, RickerQuantity, SmoothPulse, ZeroMeanPulse,
+};
 pub use quiet::{QuietStart, QuietStartLimits, StartLevel};
 pub use reflection::{SurfaceReflection, WaveKind, critical_angle};
 pub use signal::{Signal, SignalMotion, Support};
