@@ -25,7 +25,7 @@ use powerhouse::boundary::{InputMode, Viscous, ViscousSpring};
 use powerhouse::engine::observe::Motion;
 use powerhouse::engine::{NodalForce, Support};
 use powerhouse::material::{LinearElastic, media};
-use powerhouse::model::{AbsorbingBoundary, Axis, Mesh, Vec3};
+use powerhouse::model::{AbsorbingBoundary, Mesh, Vec3};
 use powerhouse::{Boundary, Material, OutputPlan, Part, RunHooks, Scene};
 use powerhouse_examples::Figures;
 
@@ -77,7 +77,7 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
     let scene = match faces {
         Faces::Held => scene.support(Support::fixed(held)),
         Faces::Absorbing(condition) => {
-            scene.boundary(Boundary::from_box(condition, FACES).scatterer(Vec3::zeros()))
+            scene.boundary(Boundary::new(condition, FACES).scatterer(Vec3::zeros()))
         }
     };
     let results = scene.prepare()?.run(RunHooks::default())?;

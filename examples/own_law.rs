@@ -72,8 +72,8 @@ fn surface_motion(material: Material, amplitude: f64) -> Outcome<Vec<f64>> {
     let pulse = RaisedCosinePulse::new(amplitude, 0.4)?;
     let results = Scene::new("soil column", mesh)
         .part(Part::new("soil", material))
-        .support(Support::rollers(all.clone(), Vec3::y()))
-        .support(Support::rollers(all, Vec3::z()))
+        .support(Support::roller(all.clone(), Vec3::y()))
+        .support(Support::roller(all, Vec3::z()))
         .field(PlaneWave::new(parameters, Arc::new(pulse))?)
         .boundary(Boundary::new(Viscous::default(), ["bottom"]))
         .duration(1.5)

@@ -171,6 +171,15 @@ pub trait AbsorbingBoundary: Send + Sync {
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError>;
 }
 
+impl<B: AbsorbingBoundary + ?Sized> AbsorbingBoundary for Box<B> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
+        (**self).build(site)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
