@@ -1,0 +1,4 @@
+//! Whole models against closed forms.
+
+mod column;
+mod sphere;

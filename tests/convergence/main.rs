@@ -1,0 +1,3 @@
+//! The error against the element size.
+
+mod oblique_waves;

@@ -1,0 +1,4 @@
+//! What must not change the result.
+
+mod bits;
+mod direction;
