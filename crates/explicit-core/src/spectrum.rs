@@ -1,10 +1,11 @@
 //! The highest frequency of the assembled model, by Lanczos.
 
-use powerhouse_model::{Operator, Quad, Vec3};
+use powerhouse_model::{ElementBlock, Operator, Quad, Vec3};
 use rayon::prelude::*;
 
 use crate::Model;
 use crate::applied::split;
+use crate::gather::SlotTable;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
 
 /// Relative bound on the error of the highest eigenvalue at which Lanczos stops.
@@ -28,12 +29,16 @@ pub(crate) struct HighestEigenvalue {
 }
 
 impl Model {
-    /// The highest eigenvalue of `M^-1/2 K M^-1/2`, `K` the elastic operator of all blocks,
-    /// supports and ties respected, impedances left out (they are implicit).
+    /// The highest eigenvalue of `M^-1/2 K M^-1/2`, `K` the sum of the elastic operators of all
+    /// blocks times `weight(block)`, supports and ties respected, impedances left out (they are
+    /// implicit).
     ///
     /// Lanczos without reorthogonalisation (Paige 1972: the extreme Ritz values converge all the
     /// same). The bound is `beta |s_k|`, `s_k` the last component of the Ritz vector.
-    pub(crate) fn highest_eigenvalue(&mut self) -> HighestEigenvalue {
+    pub(crate) fn highest_eigenvalue(
+        &mut self,
+        weight: impl Fn(&dyn ElementBlock) -> f64 + Sync,
+    ) -> HighestEigenvalue {
         self.settle();
         let count = self.mass.len();
         let scale = self.inverse_root_mass();
@@ -52,7 +57,7 @@ impl Model {
         }
         present.par_iter_mut().for_each(|x| *x /= norm);
         loop {
-            let mut next = self.scaled_product(&scale, &present);
+            let mut next = self.scaled_product(&scale, &present, &weight);
             let alpha = dot(&next, &present);
             let beta_before = off.last().copied().unwrap_or(0.0);
             next.par_iter_mut()
@@ -114,14 +119,19 @@ impl Model {
     }
 
     /// `M^-1/2 K M^-1/2` times a reduced vector.
-    fn scaled_product(&mut self, scale: &[f64], vector: &[Vec3]) -> Vec<Vec3> {
+    fn scaled_product(
+        &mut self,
+        scale: &[f64],
+        vector: &[Vec3],
+        weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
+    ) -> Vec<Vec3> {
         let mut spread: Vec<Vec3> = vector.par_iter().zip(scale).map(|(x, s)| x * *s).collect();
         for group in &self.groups.groups {
             for &member in &group.members[1..] {
                 spread[member as usize] = spread[group.members[0] as usize];
             }
         }
-        let mut product = self.elastic_product(&spread);
+        let mut product = self.elastic_product(&spread, weight);
         for group in &self.groups.groups {
             let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
             product[group.members[0] as usize] = sum;
@@ -134,31 +144,41 @@ impl Model {
         product
     }
 
-    fn elastic_product(&mut self, vector: &[Vec3]) -> Vec<Vec3> {
+    fn elastic_product(
+        &mut self,
+        vector: &[Vec3],
+        weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
+    ) -> Vec<Vec3> {
         let (blocks, lengths, slots) = (&self.blocks, &self.lengths, &self.slots);
-        fn product<S: Storage>(
-            arrays: &mut NodalArrays<S>,
-            vector: &[Vec3],
-            blocks: &[Box<dyn powerhouse_model::ElementBlock>],
-            lengths: &[usize],
-            slots: &crate::gather::SlotTable,
-        ) -> Vec<Vec3> {
-            let values: Vec<Quad<S>> = vector.iter().map(Quad::from_vector).collect();
-            let buffers = split(&mut arrays.forces, lengths);
-            blocks
-                .par_iter()
-                .zip(buffers)
-                .with_max_len(1)
-                .for_each(|(block, buffer)| {
-                    block.apply(Operator::Elastic, S::view(&values), S::view_mut(buffer));
-                });
-            (0..vector.len())
-                .into_par_iter()
-                .map(|node| arrays.internal(slots, node))
-                .collect()
-        }
-        with_nodes!(&mut self.nodes, arrays => product(arrays, vector, blocks, lengths, slots))
+        with_nodes!(&mut self.nodes, arrays => {
+            product(arrays, vector, (blocks, lengths, slots), weight)
+        })
     }
+}
+
+fn product<S: Storage>(
+    arrays: &mut NodalArrays<S>,
+    vector: &[Vec3],
+    (blocks, lengths, slots): (&[Box<dyn ElementBlock>], &[usize], &SlotTable),
+    weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
+) -> Vec<Vec3> {
+    let values: Vec<Quad<S>> = vector.iter().map(Quad::from_vector).collect();
+    let buffers = split(&mut arrays.forces, lengths);
+    blocks
+        .par_iter()
+        .zip(buffers)
+        .with_max_len(1)
+        .for_each(|(block, buffer)| {
+            block.apply(Operator::Elastic, S::view(&values), S::view_mut(buffer));
+            let weight = S::from_f64(weight(block.as_ref()));
+            for force in buffer.iter_mut().flat_map(|quad| &mut quad.values) {
+                *force = *force * weight;
+            }
+        });
+    (0..vector.len())
+        .into_par_iter()
+        .map(|node| arrays.internal(slots, node))
+        .collect()
 }
 
 /// The inner product, summed in a fixed order.

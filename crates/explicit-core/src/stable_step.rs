@@ -42,6 +42,8 @@ pub(crate) struct Spectrum {
     highest: f64,
     iterations: usize,
     converged: bool,
+    /// Stiffness damping coefficient (s) that bounds the model's at the highest frequency.
+    stiffness_damping: f64,
     /// The speed (m/s) at which strains reach the order of one.
     pub(crate) reference_speed: f64,
 }
@@ -97,41 +99,65 @@ impl Model {
         Ok(report)
     }
 
-    /// What a scheme is told of the model; the highest frequency has the safety on it.
+    /// What a scheme is told of the model. The highest frequency has the safety on it.
+    ///
+    /// With different stiffness damping in different sets, the largest coefficient would be
+    /// charged to the highest frequency, though the damped set may not reach it. The coefficient
+    /// given is the least `b` with `b w^2 >=` the highest eigenvalue of `M^-1 D`, `D` the sum of
+    /// the damped operators: a bound for every scheme, because the highest eigenvalue of a sum is
+    /// at most the sum of the highest ones.
     pub fn frequency_limits(&mut self) -> FrequencyLimits {
-        let highest = self.spectrum().highest / SAFETY;
-        let (mut least, mut most, mut mass) = (f64::INFINITY, 0.0_f64, 0.0_f64);
+        let spectrum = self.spectrum();
+        let mut least = f64::INFINITY;
+        let mut mass = 0.0_f64;
         for block in &self.blocks {
             least = least.min(block.stiffness_damping());
-            most = most.max(block.stiffness_damping());
             mass = mass.max(block.mass_damping());
         }
-        FrequencyLimits::undamped(highest).with_damping(least, most, mass)
+        FrequencyLimits::undamped(spectrum.highest / SAFETY).with_damping(
+            least,
+            spectrum.stiffness_damping,
+            mass,
+        )
     }
 
     pub(crate) fn spectrum(&mut self) -> Spectrum {
         if let Some(known) = self.spectrum {
             return known;
         }
-        let found = self.in_pool(Self::highest_eigenvalue);
         let (mut bound, mut reference_speed) = (0.0_f64, 0.0_f64);
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         for block in &self.blocks {
+            least = least.min(block.stiffness_damping());
+            most = most.max(block.stiffness_damping());
             for of_element in block.frequency_bounds() {
                 bound = bound.max(of_element.frequency);
                 let size = self.element_size(of_element.element);
                 reference_speed = reference_speed.max(0.5 * of_element.frequency * size);
             }
         }
+        let found = self.in_pool(|model| model.highest_eigenvalue(|_| 1.0));
         let assembled = (found.value + found.residual).sqrt();
-        let usable = found.converged && assembled > 0.0;
+        let converged = found.converged && assembled > 0.0;
+        let highest = if converged {
+            assembled
+        } else {
+            bound.max(assembled)
+        };
+        let mut stiffness_damping = most;
+        if least < most {
+            let damped =
+                self.in_pool(|model| model.highest_eigenvalue(|block| block.stiffness_damping()));
+            if damped.converged {
+                let coefficient = (damped.value + damped.residual) / highest.powi(2);
+                stiffness_damping = stiffness_damping.min(coefficient);
+            }
+        }
         let spectrum = Spectrum {
-            highest: if usable {
-                assembled
-            } else {
-                bound.max(assembled)
-            },
+            highest,
             iterations: found.products,
-            converged: usable,
+            converged,
+            stiffness_damping,
             reference_speed,
         };
         self.spectrum = Some(spectrum);

@@ -170,3 +170,46 @@ fn the_one_sided_scheme_with_half_a_step_of_damping_is_the_leapfrog() {
     let error = go(&mut build(0.49 * step), &OneSided).unwrap_err();
     assert!(matches!(error, RunError::TooLittleDamping { least, .. } if least == 0.5 * step));
 }
+
+/// Damping in a set that does not reach the highest frequency does not shorten the step as if it
+/// did; the step given is stable all the same, and one past what the damped set can bear is not.
+#[test]
+fn damping_is_charged_where_it_acts() {
+    let mesh = hex_box([6, 3, 3], 1.0, 0.1);
+    let (soft, stiff): (Vec<u32>, Vec<u32>) =
+        (0..mesh.element_count() as u32).partition(|&e| mesh.centroid(e).x < 3.0);
+    let count = mesh.node_count();
+    let damping = 1.0e-3;
+    let build = || {
+        let clay = Links::new("clay", ElementKind::Hex8, 9.0e7, 0.3, 2700.0);
+        let mut model = Model::builder(&mesh)
+            .elements(soft.clone(), clay.damped(0.0, damping).boxed())
+            .elements(stiff.clone(), rock().boxed())
+            .build()
+            .unwrap();
+        let velocity = random_vectors(count, 1.0, 5);
+        model
+            .set_initial(&vec![Vec3::zeros(); count], &velocity)
+            .unwrap();
+        model
+    };
+    let mut model = build();
+    let report = model.stable_step(&Leapfrog).unwrap();
+    // Charged to the stiff set's frequency, the damping would take most of the step.
+    let w = 2.0 / report.assembled_limit;
+    let z = 0.5 * damping * w;
+    let charged = 2.0 / (w * (z.hypot(1.0) + z));
+    assert!(report.step > 3.0 * charged);
+    run(
+        &mut model,
+        &Leapfrog,
+        &RunOptions::steps(20_000),
+        &mut [],
+        &mut |_| {},
+    )
+    .unwrap();
+    let past = StepChoice::Unchecked(1.01 * report.assembled_limit);
+    let options = RunOptions::steps(20_000).with_step(past);
+    let error = run(&mut build(), &Leapfrog, &options, &mut [], &mut |_| {}).unwrap_err();
+    assert!(matches!(error, RunError::Diverged { .. }));
+}

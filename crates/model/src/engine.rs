@@ -34,7 +34,8 @@ impl ForceTerms {
 pub struct FrequencyLimits {
     /// Highest angular frequency of the undamped assembled model, or a bound on it (rad/s).
     pub highest: f64,
-    /// Largest stiffness damping coefficient of any block (s).
+    /// Stiffness damping coefficient that bounds the model's at the highest frequency (s): the
+    /// largest of any block, or less where the damped blocks do not reach that frequency.
     pub most_stiffness_damping: f64,
     /// Least stiffness damping coefficient of any block (s).
     pub least_stiffness_damping: f64,
