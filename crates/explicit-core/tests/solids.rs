@@ -69,10 +69,10 @@ fn the_reported_step_is_just_below_the_true_limit_for_every_kernel() {
             &hexes,
             solid("rock", Hex8OnePoint::default(), rock(), options),
         ),
-        (&hexes, solid("rock", Hex8Full::default(), rock(), options)),
-        (&hexes, solid("rock", Hex8BBar::default(), rock(), options)),
-        (&wedges, solid("rock", Wedge6::default(), rock(), options)),
-        (&tets, solid("rock", Tet4::default(), rock(), options)),
+        (&hexes, solid("rock", Hex8Full, rock(), options)),
+        (&hexes, solid("rock", Hex8BBar, rock(), options)),
+        (&wedges, solid("rock", Wedge6, rock(), options)),
+        (&tets, solid("rock", Tet4, rock(), options)),
     ];
     for (i, (mesh, factory)) in cases.into_iter().enumerate() {
         mesh.check().unwrap();
@@ -225,5 +225,66 @@ fn a_wave_in_a_column_arrives_at_its_speed() {
         let exact = ramp(time - height / speed);
         // Second order: the error of a wave of 20 elements after 90 elements is a few per mille.
         assert!((model.displacement(node).z - exact).abs() < 5e-3 * 1e-3);
+    }
+}
+
+/// A law that counts how often its history was committed.
+#[derive(Clone)]
+struct Counter(ElasticMedium);
+
+impl ConstitutiveLaw for Counter {
+    fn name(&self) -> &str {
+        "counter"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &[HistoryVariable {
+            name: "commits",
+            unit: "1",
+        }]
+    }
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        new_history[0] = input.history[0] + input.history[0].constant(1.0);
+        Linear(self.0).stress_change(input, &mut [])
+    }
+}
+
+/// The history of a law is committed once per step, exported with the state by element of the
+/// mesh, and taken over by another model.
+#[test]
+fn history_is_committed_once_per_step() {
+    let mesh = jittered(Mesh::box_of_hexes, [5, 3, 2], 0.2);
+    let build = |part| {
+        let law = Counter(rock().0);
+        let factory = solid(
+            "rock",
+            Hex8OnePoint::default(),
+            law,
+            BlockOptions::default(),
+        );
+        let builder = Model::builder(&mesh).elements("rock", factory);
+        builder.part_size(part).build().unwrap()
+    };
+    let options = RunOptions::steps(7).with_step(StepChoice::Unchecked(5e-5));
+    let go = |model: &mut Model| run(model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+    let mut first = build(8);
+    go(&mut first);
+    let mut second = build(11);
+    second.set_state(&first.state()).unwrap();
+    go(&mut second);
+    for (mut model, commits) in [(first, 7.0), (second, 14.0)] {
+        let state = model.state();
+        assert_eq!(state.history.len(), 1);
+        let field = &state.history[0];
+        let mut elements = field.elements.clone();
+        elements.sort_unstable();
+        assert_eq!(
+            elements,
+            (0..mesh.element_count() as u32).collect::<Vec<_>>()
+        );
+        assert_eq!((field.name.as_str(), field.points), ("commits", 1));
+        assert!(field.values.iter().all(|&value| value == commits));
     }
 }

@@ -2,9 +2,11 @@
 
 mod support;
 
-use powerhouse_explicit_core::{Leapfrog, Model, OneSided, RunOptions, StepChoice, Support, run};
+use powerhouse_explicit_core::{
+    Leapfrog, Model, OneSided, PeriodicPairs, RunOptions, StepChoice, Support, run,
+};
 use powerhouse_model::{ElementKind, LimitingTerm, RunError, TimeIntegrator, Vec3};
-use support::{Links, dense_limit, hex_box, random_vectors};
+use support::{Links, chain, dense_limit, hex_box, random_vectors};
 
 fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)
@@ -212,4 +214,42 @@ fn damping_is_charged_where_it_acts() {
     let options = RunOptions::steps(20_000).with_step(past);
     let error = run(&mut build(), &Leapfrog, &options, &mut [], &mut |_| {}).unwrap_err();
     assert!(matches!(error, RunError::Diverged { .. }));
+}
+
+/// Supports and ties take part in the limit: a bar of two elements has `w^2 = 4 k/m` free and
+/// `2 k/m` held at both ends, a ring of three `3 k/m`, with the mass `m` and stiffness `k` of one
+/// element.
+#[test]
+fn supports_and_ties_take_part_in_the_limit() {
+    let (young, density) = (9.0e9_f64, 2700.0);
+    let bars = || Links::new("bar", ElementKind::Bar2, young, 1.0, density).boxed();
+    let two = chain(2, 1.0);
+    let three = chain(3, 1.0);
+    let across: Vec<u32> = (0..3).collect();
+    let pair = PeriodicPairs {
+        pairs: vec![(0, 3)],
+    };
+    let cases = [
+        (4.0, Model::builder(&two)),
+        (
+            2.0,
+            Model::builder(&two).support(Support::fixed(vec![0, 2])),
+        ),
+        (
+            2.0,
+            Model::builder(&two)
+                .support(Support::roller(vec![0, 2], Vec3::x()))
+                .support(Support::roller(across, Vec3::y())),
+        ),
+        (3.0, Model::builder(&three).periodic(pair)),
+    ];
+    for (factor, builder) in cases {
+        let mut model = builder.elements("bar", bars()).build().unwrap();
+        let exact = 2.0 / (factor * young / density).sqrt();
+        let report = model.stable_step(&Leapfrog).unwrap();
+        assert!(
+            (report.assembled_limit / exact - 1.0).abs() < 1e-9,
+            "{factor}"
+        );
+    }
 }
