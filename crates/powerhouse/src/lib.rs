@@ -61,3 +61,8 @@ pub use registry::Registry;
 pub use remark::Remark;
 pub use scene::{Boundary, InitialMotion, Scene, TimeStep};
 pub use simulation::{ProgressHook, RunHooks, Simulation};
+
+/// The program in the project's README compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
