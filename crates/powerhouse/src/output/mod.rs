@@ -1,6 +1,7 @@
 //! What is kept of a run.
 
 mod folder;
+mod pictures;
 mod plan;
 mod results;
 mod summary;
