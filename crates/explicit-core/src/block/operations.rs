@@ -30,7 +30,7 @@ impl<L: BatchLane> Watch<L> {
     #[inline(always)]
     fn see(&mut self, stress: &Stress<L>) {
         let sum = stress.0[0] + stress.0[1] + stress.0[2];
-        self.0 = self.0 + (sum - sum);
+        self.0 = sum.mul_add(sum.constant(0.0), self.0);
     }
     #[inline(always)]
     fn all_finite(self) -> bool {
