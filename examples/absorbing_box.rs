@@ -64,8 +64,10 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
         })
         .flatten()
         .collect();
-    let mut output = OutputPlan::default();
-    output.every = 1e-3;
+    let output = OutputPlan {
+        every: 1e-3,
+        ..OutputPlan::default()
+    };
     let scene = Scene::new("absorbing box", mesh)
         .part(Part::new(
             "rock",
@@ -101,18 +103,20 @@ fn main() -> Outcome<ExitCode> {
         ..ViscousSpring::default()
     };
     let mut figures = Figures::default();
+    let nothing_holds = "nothing brings the box back";
     for (name, faces, limit, remark) in [
         ("held", Faces::Held, None, "everything comes back"),
         (
             "viscous",
             Faces::Absorbing(Box::new(viscous)),
             None,
-            "nothing brings the box back",
+            nothing_holds,
         ),
         (
             "viscous_spring",
             Faces::Absorbing(Box::new(springs)),
             Some(0.1),
+            "",
         ),
     ] {
         let motion = surface_motion(20, faces)?;
