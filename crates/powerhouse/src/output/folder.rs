@@ -12,7 +12,6 @@ use powerhouse_io::{
 use powerhouse_model::{Mesh, Stress, Vec3};
 
 use super::Results;
-use super::pictures::{draw_envelope, draw_histories};
 use super::summary::Summary;
 use crate::{Error, Remark};
 
@@ -26,7 +25,6 @@ use crate::{Error, Remark};
 /// | `energies.csv` | the energy ledger |
 /// | `envelope.vtu` | greatest values with their times |
 /// | `snapshots.pvd` and a folder beside it | whole fields, for ParaView |
-/// | `plots/*.svg`, `plots/*.png` | histories of each place, greatest values on the body cut open |
 /// | `scene.toml` | the scene as it was run |
 ///
 /// Every file is written whole or not at all.
@@ -66,7 +64,7 @@ impl ResultFolder {
         remarks: &[Remark],
         scene: Option<&str>,
     ) -> Result<Vec<PathBuf>, Error> {
-        let (mut files, mut drawn) = (Vec::new(), Vec::new());
+        let mut files = Vec::new();
         let mut written = |name: &str, result: Result<(), IoError>| -> Result<(), Error> {
             result?;
             files.push(self.path.join(name));
@@ -81,11 +79,6 @@ impl ResultFolder {
                 written(name, write_table(&self.path.join(name), &columns(table)))?;
             }
         }
-        for table in [&results.histories, &results.sections, &results.energies] {
-            if table.times.len() > 1 {
-                drawn.extend(draw_histories(&self.path, &columns(table))?);
-            }
-        }
         if let Some(envelope) = &results.envelope {
             let name = "envelope.vtu";
             let file = self.path.join(name);
@@ -93,7 +86,6 @@ impl ResultFolder {
                 name,
                 write_envelope(&file, &vtu(&file, mesh)?, mesh, envelope, results),
             )?;
-            drawn.extend(draw_envelope(&self.path, mesh, envelope)?);
         }
         if let Some(text) = scene {
             let name = "scene.toml";
@@ -102,7 +94,6 @@ impl ResultFolder {
         let name = "summary.json";
         let summary = Summary::new(title, mesh, results, remarks);
         written(name, write_summary(&self.path.join(name), &summary))?;
-        files.append(&mut drawn);
         Ok(files)
     }
 }

@@ -1,7 +1,6 @@
 //! What is kept of a run.
 
 mod folder;
-mod pictures;
 mod plan;
 mod results;
 mod summary;
