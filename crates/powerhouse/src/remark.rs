@@ -31,6 +31,9 @@ pub enum Remark {
         /// What it took.
         start: QuietStart,
     },
+    /// A full space without an absorbing boundary on top, where the stress of its waves does not
+    /// vanish.
+    OpenTop,
     /// A damped part touches an absorbing face, behind which the free field is elastic.
     DampedRim {
         /// The part's set.
@@ -41,7 +44,10 @@ pub enum Remark {
 impl Remark {
     /// Whether it is a doubt about the result, not only a fact.
     pub fn is_warning(&self) -> bool {
-        matches!(self, Self::DampedRim { .. } | Self::RecordFile { .. })
+        match self {
+            Self::DampedRim { .. } | Self::RecordFile { .. } | Self::OpenTop => true,
+            Self::Record { .. } | Self::QuietStart { .. } => false,
+        }
     }
 }
 
@@ -81,6 +87,10 @@ impl fmt::Display for Remark {
                 start.padding,
                 start.level.largest(),
                 start.removed
+            ),
+            Self::OpenTop => write!(
+                f,
+                "the waves travel in a full space, but the top of the mesh has no absorbing boundary: their stress does not vanish there"
             ),
             Self::DampedRim { set } => write!(
                 f,

@@ -1,5 +1,6 @@
 //! A model ready to run, and its run.
 
+use core::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -9,8 +10,8 @@ use powerhouse_explicit_core::{Model, Progress, RunOptions, StableStep, StepChoi
 use powerhouse_model::{Cadence, IncidentField, Mesh, ModelError, Observer, TimeIntegrator};
 
 use crate::output::{OutputPlan, Recordings, Results};
-use crate::scene::{TimeStep, field_motion};
-use crate::{Error, Remark};
+use crate::scene::{TimeStep, field_motion, placed};
+use crate::{Error, Remark, SceneText};
 
 /// Told after every step where a run stands.
 pub type ProgressHook<'a> = Box<dyn FnMut(Progress) + Send + 'a>;
@@ -37,6 +38,8 @@ pub struct Simulation {
     integrator: Box<dyn TimeIntegrator>,
     step: TimeStep,
     duration: f64,
+    /// The scene's file, and where its step stands.
+    source: (Option<Arc<SceneText>>, Range<usize>),
     /// The field whose motion the body starts with.
     initial: Option<Arc<dyn IncidentField>>,
     plan: OutputPlan,
@@ -48,6 +51,7 @@ impl Simulation {
     pub(crate) fn new(
         (title, mesh, model): (String, Arc<Mesh>, Model),
         (integrator, step, duration): (Box<dyn TimeIntegrator>, TimeStep, f64),
+        source: (Option<Arc<SceneText>>, Range<usize>),
         initial: Option<Arc<dyn IncidentField>>,
         (plan, observed): (OutputPlan, (Recordings, Vec<Box<dyn Observer>>)),
         remarks: Vec<Remark>,
@@ -59,6 +63,7 @@ impl Simulation {
             integrator,
             step,
             duration,
+            source,
             initial,
             plan,
             observed,
@@ -105,16 +110,24 @@ impl Simulation {
     /// The step that a run takes (s).
     ///
     /// # Errors
-    /// As [`stable_step`](Self::stable_step).
+    /// A given step that is above the stable one, or as [`stable_step`](Self::stable_step).
     pub fn step(&mut self) -> Result<f64, Error> {
-        Ok(match self.step {
-            TimeStep::OfStable(share) => share * self.stable_step()?.step,
-            TimeStep::Seconds(step) => step,
-        })
+        match self.step {
+            TimeStep::OfStable(share) => Ok(share * self.stable_step()?.step),
+            TimeStep::Seconds(step) => {
+                let limits = self.model.frequency_limits();
+                match self.integrator.check(&limits, step) {
+                    Ok(()) => Ok(step),
+                    Err(error) => Err(placed(&self.source.0, self.source.1.clone(), error)),
+                }
+            }
+        }
     }
 
     /// Replaces the scene's step.
     pub fn set_step(&mut self, step: TimeStep) {
+        // A refusal no longer concerns the scene's file.
+        self.source.0 = None;
         self.step = step;
     }
 

@@ -99,12 +99,23 @@ pub enum Problem {
 pub struct Fault {
     span: Range<usize>,
     problem: Problem,
+    help: Option<&'static str>,
 }
 
 impl Fault {
     /// A problem at a range of bytes.
     pub fn new(span: Range<usize>, problem: Problem) -> Self {
-        Self { span, problem }
+        Self {
+            span,
+            problem,
+            help: None,
+        }
+    }
+    /// The same with a hint at what would put it right.
+    #[must_use]
+    pub fn with_help(mut self, help: &'static str) -> Self {
+        self.help = Some(help);
+        self
     }
     /// What another crate refused at a range of bytes.
     pub fn refused(

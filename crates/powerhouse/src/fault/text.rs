@@ -82,6 +82,9 @@ impl SceneFault {
             };
             group = group.element(Level::NOTE.message(format!("{what}: {list}")));
         }
+        if let Some(help) = self.fault.help {
+            group = group.element(Level::HELP.message(help));
+        }
         let renderer = if colours {
             Renderer::styled()
         } else {

@@ -19,6 +19,10 @@ pub struct Record {
     /// Units of the accelerations in the file. PEER AT2 files say it themselves; for text files it
     /// must be given.
     pub units: Option<Units>,
+    /// What to do if a file declares another number of samples than it holds; it is refused by
+    /// default.
+    #[serde(default)]
+    pub count: Count,
     /// Time step of a one-column text file (s).
     pub time_step: Option<Positive>,
     /// Start and end of what is used of the record (s).
@@ -50,6 +54,17 @@ pub enum Units {
     /// Standard gravity, 9.80665 m/s2.
     #[serde(rename = "g")]
     Gravity,
+}
+
+/// How strictly a declared number of samples is taken.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Count {
+    /// A file that holds another number is refused.
+    #[default]
+    AsDeclared,
+    /// The samples that are there are taken, with a warning.
+    AsFound,
 }
 
 /// Baseline correction.

@@ -28,8 +28,8 @@ pub use at::At;
 pub use decode::decode;
 pub use function::{Function, Pulse};
 pub use ground::{
-    Baseline, BoundarySection, Component, Convention, Ground, Record, Space, Units, Wave, WaveKind,
-    Within,
+    Baseline, BoundarySection, Component, Convention, Count, Ground, Record, Space, Units, Wave,
+    WaveKind, Within,
 };
 pub(crate) use load::{GRAVITY, WATER_DENSITY};
 pub use load::{Load, Support};

@@ -2,17 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use powerhouse_explicit_core::observe::{
-    EnvelopeTable, HistoryTable, PeakField, Snapshot, SnapshotSink,
-};
-use powerhouse_io::{
-    FieldPrecision, IoError, PvdCollection, TableColumn, VtuField, VtuWriter, write_summary,
-    write_table, write_whole,
-};
-use powerhouse_model::{Mesh, Stress, Vec3};
+use powerhouse_explicit_core::observe::{HistoryTable, SnapshotSink};
+use powerhouse_io::{IoError, TableColumn, write_summary, write_table, write_whole};
+use powerhouse_model::Mesh;
 
-use super::Results;
 use super::summary::Summary;
+use super::{Results, drawing, vtu};
 use crate::{Error, Remark};
 
 /// A folder that takes the files of a run.
@@ -23,7 +18,9 @@ use crate::{Error, Remark};
 /// | `histories.csv` | histories and relative displacements |
 /// | `sections.csv` | section forces |
 /// | `energies.csv` | the energy ledger |
+/// | `plots/NAME.svg` | each of them drawn |
 /// | `envelope.vtu` | greatest values with their times |
+/// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
 /// | `snapshots.pvd` and a folder beside it | whole fields, for ParaView |
 /// | `scene.toml` | the scene as it was run |
 ///
@@ -32,6 +29,9 @@ use crate::{Error, Remark};
 pub struct ResultFolder {
     path: PathBuf,
 }
+
+/// The collection of snapshots.
+const SNAPSHOTS: &str = "snapshots.pvd";
 
 impl ResultFolder {
     /// A folder, which is made with its first file.
@@ -48,12 +48,11 @@ impl ResultFolder {
     /// # Errors
     /// A mesh that VTU files cannot hold.
     pub fn snapshots(&self, mesh: &Mesh) -> Result<Box<dyn SnapshotSink>, Error> {
-        let file = self.path.join("snapshots.pvd");
-        let writer = vtu(&file, mesh)?;
-        Ok(Box::new(SnapshotFiles(PvdCollection::new(file, writer))))
+        Ok(vtu::snapshots(self.path.join(SNAPSHOTS), mesh)?)
     }
 
-    /// Writes the results, and the scene's text if there is one; returns the files written.
+    /// Writes the results, and the scene's text if there is one; returns the files written, the
+    /// collection of snapshots among them.
     ///
     /// # Errors
     /// The file that could not be written.
@@ -64,47 +63,72 @@ impl ResultFolder {
         remarks: &[Remark],
         scene: Option<&str>,
     ) -> Result<Vec<PathBuf>, Error> {
-        let mut files = Vec::new();
-        let mut written = |name: &str, result: Result<(), IoError>| -> Result<(), Error> {
-            result?;
-            files.push(self.path.join(name));
-            Ok(())
+        let mut files = Files {
+            folder: &self.path,
+            written: Vec::new(),
         };
+        let summary = Summary::new(title, mesh, results, remarks);
+        files.write("summary.json", |file| write_summary(file, &summary))?;
+        if let Some(text) = scene {
+            files.write("scene.toml", |file| write_whole(file, text.as_bytes()))?;
+        }
         for (name, table) in [
             ("histories.csv", &results.histories),
             ("sections.csv", &results.sections),
             ("energies.csv", &results.energies),
         ] {
-            if !table.columns.is_empty() {
-                written(name, write_table(&self.path.join(name), &columns(table)))?;
+            if !table.times.is_empty() {
+                let columns = columns(table);
+                files.write(name, |file| write_table(file, &columns))?;
             }
         }
+        for table in [&results.histories, &results.sections] {
+            for (name, plot) in drawing::plots(&columns(table)) {
+                files.write(&format!("plots/{name}.svg"), plot)?;
+            }
+        }
+        if !results.energies.times.is_empty() {
+            let columns = columns(&results.energies);
+            files.write("plots/energies.svg", |file| {
+                drawing::plot(file, "energies", &columns)
+            })?;
+        }
         if let Some(envelope) = &results.envelope {
-            let name = "envelope.vtu";
-            let file = self.path.join(name);
-            written(
-                name,
-                write_envelope(&file, &vtu(&file, mesh)?, mesh, envelope, results),
-            )?;
+            let fields = vtu::EnvelopeFields::new(envelope, mesh);
+            files.write("envelope.vtu", |file| {
+                fields.write(file, mesh, results.run.time)
+            })?;
+            for (name, field, unit) in fields.peaks() {
+                files.write(
+                    &format!("pictures/{}.png", drawing::file_name(name)),
+                    |file| drawing::picture(file, mesh, (name, unit), field),
+                )?;
+            }
         }
-        if let Some(text) = scene {
-            let name = "scene.toml";
-            written(name, write_whole(&self.path.join(name), text.as_bytes()))?;
+        if self.path.join(SNAPSHOTS).exists() {
+            files.written.push(self.path.join(SNAPSHOTS));
         }
-        let name = "summary.json";
-        let summary = Summary::new(title, mesh, results, remarks);
-        written(name, write_summary(&self.path.join(name), &summary))?;
-        Ok(files)
+        Ok(files.written)
     }
 }
 
-fn vtu(file: &Path, mesh: &Mesh) -> Result<VtuWriter, Error> {
-    VtuWriter::new(mesh, FieldPrecision::Single).map_err(|source| {
-        Error::Write(IoError::File {
-            file: file.into(),
-            source,
-        })
-    })
+/// Keeps account of what is written.
+struct Files<'a> {
+    folder: &'a Path,
+    written: Vec<PathBuf>,
+}
+
+impl Files<'_> {
+    fn write(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&Path) -> Result<(), IoError>,
+    ) -> Result<(), IoError> {
+        let file = self.folder.join(name);
+        write(&file)?;
+        self.written.push(file);
+        Ok(())
+    }
 }
 
 fn columns(table: &HistoryTable) -> Vec<TableColumn> {
@@ -112,101 +136,4 @@ fn columns(table: &HistoryTable) -> Vec<TableColumn> {
     let columns = table.columns.iter();
     let columns = columns.map(|c| TableColumn::new(c.name.clone(), c.unit, c.values.clone()));
     core::iter::once(times).chain(columns).collect()
-}
-
-/// Writes snapshots as they come.
-struct SnapshotFiles(PvdCollection);
-
-impl SnapshotSink for SnapshotFiles {
-    fn take(&mut self, shot: &Snapshot) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        let vectors =
-            |values: &[Vec3]| -> Vec<f64> { values.iter().flat_map(|v| [v.x, v.y, v.z]).collect() };
-        let nodal = [
-            ("displacement", vectors(shot.displacement)),
-            ("velocity", vectors(shot.velocity)),
-            ("acceleration", vectors(shot.acceleration)),
-        ];
-        let at_nodes: Vec<VtuField> = nodal
-            .iter()
-            .filter(|(_, values)| !values.is_empty())
-            .map(|(name, values)| VtuField {
-                name,
-                components: 3,
-                values,
-            })
-            .collect();
-        let stress: Vec<f64> = shot.stress.iter().flat_map(|Stress(s)| *s).collect();
-        let in_elements = VtuField {
-            name: "stress",
-            components: 6,
-            values: &stress,
-        };
-        let in_elements = if stress.is_empty() {
-            &[][..]
-        } else {
-            &[in_elements]
-        };
-        Ok(self.0.add(shot.time, &at_nodes, in_elements)?)
-    }
-}
-
-/// Peaks and their times as fields over the whole mesh, zero where nothing was tracked.
-fn write_envelope(
-    file: &Path,
-    writer: &VtuWriter,
-    mesh: &Mesh,
-    envelope: &EnvelopeTable,
-    results: &Results,
-) -> Result<(), IoError> {
-    let spread = |indices: &[u32], values: &[f64], count: usize| {
-        let mut all = vec![0.0; count];
-        for (&index, &value) in indices.iter().zip(values) {
-            all[index as usize] = value;
-        }
-        all
-    };
-    let both = |name: &str, indices: &[u32], field: &PeakField, count: usize| {
-        [
-            (name.to_owned(), spread(indices, &field.values, count)),
-            (
-                format!("time of {name}"),
-                spread(indices, &field.times, count),
-            ),
-        ]
-    };
-    let collect = |fields: &[(&str, &PeakField)], indices: &[u32], count: usize| {
-        let wanted = fields.iter().filter(|(_, field)| !field.values.is_empty());
-        let pairs = wanted.flat_map(|(name, field)| both(name, indices, field, count));
-        pairs.collect::<Vec<(String, Vec<f64>)>>()
-    };
-    let nodal = collect(
-        &[
-            ("largest displacement", &envelope.displacement),
-            ("largest velocity", &envelope.velocity),
-            ("largest acceleration", &envelope.acceleration),
-        ],
-        &envelope.nodes,
-        mesh.node_count(),
-    );
-    let elemental = collect(
-        &[
-            ("greatest principal stress", &envelope.greatest_stress),
-            ("least principal stress", &envelope.least_stress),
-        ],
-        &envelope.elements,
-        mesh.element_count(),
-    );
-    let (at_nodes, in_elements) = (scalars(&nodal), scalars(&elemental));
-    writer.write(file, results.run.time, &at_nodes, &in_elements)
-}
-
-fn scalars(fields: &[(String, Vec<f64>)]) -> Vec<VtuField<'_>> {
-    fields
-        .iter()
-        .map(|(name, values)| VtuField {
-            name,
-            components: 1,
-            values,
-        })
-        .collect()
 }

@@ -1,9 +1,11 @@
 //! What is kept of a run.
 
+mod drawing;
 mod folder;
 mod plan;
 mod results;
 mod summary;
+mod vtu;
 
 pub use folder::ResultFolder;
 pub use plan::{CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, SnapshotWish};

@@ -20,10 +20,14 @@ use crate::format::{
 use crate::scene::InitialMotion;
 use crate::{Error, Remark, Scene};
 
+/// What lies within this share of the mesh's diagonal below the highest point is its top.
+const TOP_TOLERANCE: f64 = 1e-6;
+
 /// A record ready to drive waves.
 pub(super) struct PreparedRecord {
     pub(super) history: TimeHistory,
-    end: EndDisplacement,
+    /// Lasting displacement (m).
+    end: f64,
     convention: InputConvention,
     /// Time that the record gained before its former start (s).
     lead: f64,
@@ -69,9 +73,9 @@ fn record(text: &SceneText, table: &format::Record) -> Result<PreparedRecord, Fa
             .scaled_to_peak(peak.get())
             .map_err(|error| Fault::refused(name.clone(), error))?;
     }
-    let end = EndDisplacement::Declared(table.end_displacement.map_or(0.0, Finite::get));
+    let end = table.end_displacement.map_or(0.0, Finite::get);
     // A record that does not come to rest is refused here, where its name stands.
-    let signal = history.clone().into_signal(end);
+    let signal = history.clone().into_signal(EndDisplacement::Declared(end));
     let report = signal
         .map_err(|error| Fault::refused(name, error))?
         .report();
@@ -173,6 +177,9 @@ pub(super) fn field(
         }
     }
     let (low, high) = scene.mesh.bounding_box();
+    if file.ground.space == Space::FullSpace && !absorbs_on_top(scene).map_err(refused)? {
+        scene.remarks.push(Remark::OpenTop);
+    }
     let surface = file.ground.surface.as_ref().map_or(high.z, |at| at.get());
     let mut fields: Vec<Box<dyn IncidentField>> = Vec::new();
     for table in &file.waves {
@@ -203,6 +210,15 @@ pub(super) fn field(
     Ok(Some(Arc::new(sum)))
 }
 
+/// Whether an absorbing face covers a part of the top of the mesh's box.
+fn absorbs_on_top(scene: &Scene) -> Result<bool, Error> {
+    let (low, high) = scene.mesh.bounding_box();
+    let top = high.z - TOP_TOLERANCE * (high - low).norm();
+    let faces = scene.absorbing_facets()?;
+    let mut facets = faces.iter().flat_map(|(_, facets)| facets.iter());
+    Ok(facets.any(|&facet| scene.mesh.facet_geometry(facet).centroid.z >= top))
+}
+
 fn plane_wave(
     table: &Wave,
     mut parameters: PlaneWaveParameters,
@@ -216,12 +232,10 @@ fn plane_wave(
             parameters.convention = record.convention;
             parameters.arrival -= record.lead;
             place = record.place.clone();
-            let EndDisplacement::Declared(end) = record.end else {
-                unreachable!("records declare their end displacement")
-            };
             let scaled = record.history.scaled(factor);
-            let signal = scaled
-                .and_then(|history| history.into_signal(EndDisplacement::Declared(factor * end)));
+            let signal = scaled.and_then(|history| {
+                history.into_signal(EndDisplacement::Declared(factor * record.end))
+            });
             Arc::new(signal.map_err(|error| Fault::refused(name.span(), error))?)
         }
         (None, Some(pulse)) => {
@@ -237,12 +251,13 @@ fn plane_wave(
             ));
         }
     };
-    PlaneWave::new(parameters, signal).map_err(|error| {
-        let place = match error {
-            WaveError::WeakComponent { .. } | WaveError::NoSurface { .. } => place,
-            _ => table.incidence.span(),
-        };
-        Fault::refused(place, error)
+    PlaneWave::new(parameters, signal).map_err(|error| match error {
+        WaveError::WeakComponent { .. } | WaveError::NoSurface { .. } => {
+            Fault::refused(place, error)
+        }
+        WaveError::GrazingIncidence { .. } => Fault::refused(table.incidence.span(), error)
+            .with_help("a smaller angle, or `space = \"full-space\"` under [ground]"),
+        _ => Fault::refused(table.incidence.span(), error),
     })
 }
 

@@ -54,11 +54,13 @@ pub(crate) fn compose(
         format::Precision::Mixed => Precision::Mixed,
         format::Precision::F32 => Precision::F32,
     };
+    scene.places.step = file.time.step.span();
     scene.self_check = file.self_check.as_ref().map(|limit| limit.get());
     if let (Some(section), Some(condition)) = (&file.boundary, boundary) {
         for face in &section.faces {
             names.facets(face)?;
         }
+        scene.places.boundary = section.kind.span();
         scene.boundary = Some(Boundary {
             condition,
             faces: section.faces.iter().map(|face| face.to_string()).collect(),

@@ -1,10 +1,10 @@
 //! Records from files.
 
-use powerhouse_io::{AccelerationUnit, RecordOptions, read_record};
+use powerhouse_io::{AccelerationUnit, CountRule, RecordOptions, read_record};
 use powerhouse_wavefield::TimeHistory;
 
 use crate::fault::{Fault, SceneText};
-use crate::format::{Positive, Record, Units};
+use crate::format::{Count, Positive, Record, Units};
 
 /// Reads a record's file; what was taken differently from what it declares comes beside it.
 pub(super) fn read(text: &SceneText, table: &Record) -> Result<(TimeHistory, Vec<String>), Fault> {
@@ -16,7 +16,10 @@ pub(super) fn read(text: &SceneText, table: &Record) -> Result<(TimeHistory, Vec
             Units::Gravity => AccelerationUnit::Gravity,
         }),
         step: table.time_step.map(Positive::get),
-        ..RecordOptions::default()
+        count: match table.count {
+            Count::AsDeclared => CountRule::AsDeclared,
+            Count::AsFound => CountRule::AsFound,
+        },
     };
     let place = table.file.span();
     let record =

@@ -4,8 +4,9 @@ mod file;
 mod medium;
 mod prepare;
 
-pub(crate) use prepare::field_motion;
+pub(crate) use prepare::{field_motion, placed};
 
+use core::ops::Range;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -72,6 +73,13 @@ pub enum InitialMotion {
     Field,
 }
 
+/// Where in the scene's file stands what is only built, and perhaps refused, after it was read.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Places {
+    pub(crate) boundary: Range<usize>,
+    pub(crate) step: Range<usize>,
+}
+
 /// Everything that a run needs: a mesh, its parts, what acts on it, and what is wanted of it.
 ///
 /// A scene is read from a file ([`Scene::from_file`]) or composed here; both give the same type.
@@ -122,6 +130,7 @@ pub struct Scene {
     pub(crate) remarks: Vec<Remark>,
     pub(crate) records: BTreeMap<String, TimeHistory>,
     pub(crate) source: Option<Arc<SceneText>>,
+    pub(crate) places: Places,
     pub(crate) directory: Option<PathBuf>,
 }
 
@@ -152,6 +161,7 @@ impl Scene {
             remarks: Vec::new(),
             records: BTreeMap::new(),
             source: None,
+            places: Places::default(),
             directory: None,
         }
     }

@@ -1,12 +1,15 @@
 //! From a scene to a model that can be stepped.
 
+use core::ops::Range;
+use std::sync::Arc;
+
 use powerhouse_explicit_core::observe::CutSource;
 use powerhouse_explicit_core::{BlockOptions, Model};
 use powerhouse_model::{BoundarySite, ElementKind, IncidentField, State, Vec3};
 
 use super::{InitialMotion, Scene, TimeStep};
 use crate::output::Recordings;
-use crate::{Error, Part, Simulation};
+use crate::{Error, Fault, Part, SceneFault, SceneText, Simulation};
 
 impl Scene {
     /// Builds the model: checks everything, renumbers, packs elements, prepares the boundary.
@@ -54,7 +57,9 @@ impl Scene {
             let medium = |element: u32| self.parts[owner[element as usize]].material.medium();
             let field = self.field.as_deref();
             let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
-            builder = builder.boundary(boundary.condition.build(&site)?);
+            let parts = boundary.condition.build(&site);
+            let place = self.places.boundary.clone();
+            builder = builder.boundary(parts.map_err(|e| placed(&self.source, place, e))?);
         }
         for support in self.supports {
             builder = builder.support(support);
@@ -89,10 +94,23 @@ impl Scene {
         Ok(Simulation::new(
             (self.title, self.mesh, model),
             (self.integrator, step, self.duration),
+            (self.source, self.places.step),
             field,
             (self.output, observed),
             self.remarks,
         ))
+    }
+}
+
+/// An error where it stands in the scene's file, if the scene has one.
+pub(crate) fn placed(
+    source: &Option<Arc<SceneText>>,
+    place: Range<usize>,
+    error: impl Into<Error> + core::error::Error + Send + Sync + 'static,
+) -> Error {
+    match source {
+        Some(text) => SceneFault::new(text.clone(), Fault::refused(place, error)).into(),
+        None => error.into(),
     }
 }
 

@@ -1,0 +1,139 @@
+//! Fields for ParaView.
+
+use std::path::{Path, PathBuf};
+
+use powerhouse_explicit_core::observe::{EnvelopeTable, PeakField, Snapshot, SnapshotSink};
+use powerhouse_io::{FieldPrecision, IoError, PictureField, PvdCollection, VtuField, VtuWriter};
+use powerhouse_model::{Mesh, Stress, Vec3};
+
+fn writer(file: &Path, mesh: &Mesh) -> Result<VtuWriter, IoError> {
+    VtuWriter::new(mesh, FieldPrecision::Single).map_err(|source| IoError::File {
+        file: file.into(),
+        source,
+    })
+}
+
+/// A sink that writes each snapshot as a VTU file and all of them as a collection.
+pub(super) fn snapshots(file: PathBuf, mesh: &Mesh) -> Result<Box<dyn SnapshotSink>, IoError> {
+    let writer = writer(&file, mesh)?;
+    Ok(Box::new(SnapshotFiles(PvdCollection::new(file, writer))))
+}
+
+/// Writes snapshots as they come.
+struct SnapshotFiles(PvdCollection);
+
+impl SnapshotSink for SnapshotFiles {
+    fn take(&mut self, shot: &Snapshot) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        let vectors =
+            |values: &[Vec3]| -> Vec<f64> { values.iter().flat_map(|v| [v.x, v.y, v.z]).collect() };
+        let nodal = [
+            ("displacement", vectors(shot.displacement)),
+            ("velocity", vectors(shot.velocity)),
+            ("acceleration", vectors(shot.acceleration)),
+        ];
+        let at_nodes: Vec<VtuField> = nodal
+            .iter()
+            .filter(|(_, values)| !values.is_empty())
+            .map(|(name, values)| VtuField {
+                name,
+                components: 3,
+                values,
+            })
+            .collect();
+        let stress: Vec<f64> = shot.stress.iter().flat_map(|Stress(s)| *s).collect();
+        let in_elements = VtuField {
+            name: "stress",
+            components: 6,
+            values: &stress,
+        };
+        let in_elements = if stress.is_empty() {
+            &[][..]
+        } else {
+            &[in_elements]
+        };
+        Ok(self.0.add(shot.time, &at_nodes, in_elements)?)
+    }
+}
+
+/// Peaks and their times as fields over the whole mesh, zero where nothing was tracked.
+pub(super) struct EnvelopeFields {
+    nodal: Vec<PeakOverMesh>,
+    elemental: Vec<PeakOverMesh>,
+}
+
+/// One kind of peak over the whole mesh.
+struct PeakOverMesh {
+    name: &'static str,
+    unit: &'static str,
+    values: Vec<f64>,
+    time_name: String,
+    times: Vec<f64>,
+}
+
+impl PeakOverMesh {
+    fn new(
+        (name, unit, field): (&'static str, &'static str, &PeakField),
+        indices: &[u32],
+        count: usize,
+    ) -> Option<Self> {
+        let spread = |values: &[f64]| {
+            let mut all = vec![0.0; count];
+            for (&index, &value) in indices.iter().zip(values) {
+                all[index as usize] = value;
+            }
+            all
+        };
+        (!field.values.is_empty()).then(|| Self {
+            name,
+            unit,
+            values: spread(&field.values),
+            time_name: format!("time of {name}"),
+            times: spread(&field.times),
+        })
+    }
+}
+
+impl EnvelopeFields {
+    pub(super) fn new(envelope: &EnvelopeTable, mesh: &Mesh) -> Self {
+        let nodal = [
+            ("largest displacement", "m", &envelope.displacement),
+            ("largest velocity", "m/s", &envelope.velocity),
+            ("largest acceleration", "m/s2", &envelope.acceleration),
+        ];
+        let elemental = [
+            ("greatest principal stress", "Pa", &envelope.greatest_stress),
+            ("least principal stress", "Pa", &envelope.least_stress),
+        ];
+        let (nodes, elements) = (&envelope.nodes, &envelope.elements);
+        let of_nodes = |field| PeakOverMesh::new(field, nodes, mesh.node_count());
+        let of_elements = |field| PeakOverMesh::new(field, elements, mesh.element_count());
+        Self {
+            nodal: nodal.into_iter().filter_map(of_nodes).collect(),
+            elemental: elemental.into_iter().filter_map(of_elements).collect(),
+        }
+    }
+    /// Name, field and unit of every peak.
+    pub(super) fn peaks(&self) -> impl Iterator<Item = (&str, PictureField<'_>, &str)> {
+        let nodal = self.nodal.iter();
+        let nodal = nodal.map(|p| (p.name, PictureField::Nodal(&p.values), p.unit));
+        let elemental = self.elemental.iter();
+        nodal.chain(elemental.map(|p| (p.name, PictureField::Elemental(&p.values), p.unit)))
+    }
+    /// Writes them as one VTU file at a time (s).
+    pub(super) fn write(&self, file: &Path, mesh: &Mesh, time: f64) -> Result<(), IoError> {
+        let (nodal, elemental) = (scalars(&self.nodal), scalars(&self.elemental));
+        writer(file, mesh)?.write(file, time, &nodal, &elemental)
+    }
+}
+
+fn scalars(peaks: &[PeakOverMesh]) -> Vec<VtuField<'_>> {
+    let field = |name, values| VtuField {
+        name,
+        components: 1,
+        values,
+    };
+    peaks
+        .iter()
+        .flat_map(|p| [field(p.name, &p.values), field(&p.time_name, &p.times)])
+        .collect()
+}

@@ -1,0 +1,343 @@
+//! Whatever is wrong with a scene file is told once, in place, before any work.
+
+use std::path::PathBuf;
+
+use powerhouse::{Error, Problem, Registry, Scene, SceneFault};
+
+/// A scene without fault; the mesh and the record are those of the coarse cavern.
+const SOUND: &str = r#"title = "test"
+
+[mesh]
+file = "../meshes/cavern_small.msh"
+
+[[material]]
+name = "rock"
+law = "elastic"
+young = 9.0e9
+poisson = 0.27
+density = 2750
+
+[[part]]
+set = "rock"
+material = "rock"
+
+[[part]]
+set = "lining"
+material = "rock"
+kernel = "hex8-full"
+
+[[record]]
+name = "el-centro"
+file = "../records/el_centro_1940_ns.csv"
+units = "m/s2"
+cut = [0, 20]
+baseline = { kind = "velocity-polynomial", order = 5 }
+peak = 1.7
+convention = "incident"
+
+[[wave]]
+kind = "sv"
+incidence = 30
+record = "el-centro"
+
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "front", "back", "bottom"]
+
+[time]
+duration = 20
+
+[[output.history]]
+name = "crown"
+at = [0, 0, -60]
+"#;
+
+fn read(text: &str) -> Result<Scene, Error> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/test.toml");
+    Scene::from_toml(text, path, &Registry::default())
+}
+
+/// The fault of the sound scene with one passage replaced. `new` has a `§` where the fault stands;
+/// it must be found there.
+fn fault(old: &str, new: &str) -> Box<SceneFault> {
+    fault_of(SOUND, old, new)
+}
+
+fn fault_of(sound: &str, old: &str, new: &str) -> Box<SceneFault> {
+    assert!(sound.contains(old), "{old}");
+    let marked = sound.replacen(old, new, 1);
+    let (before, after) = marked.split_once('§').expect("a marked place");
+    let line = before.matches('\n').count() + 1;
+    let column = before.rsplit('\n').next().unwrap().chars().count() + 1;
+    match read(&format!("{before}{after}")) {
+        Err(Error::Scene(fault)) => {
+            assert_eq!(fault.position(), (line, column), "{new}: {fault}");
+            fault
+        }
+        Err(other) => panic!("{new}: {other}"),
+        Ok(_) => panic!("{new} was accepted"),
+    }
+}
+
+/// Every scene of the following tests differs from one that is accepted.
+#[test]
+fn the_sound_scene_is_accepted() {
+    let scene = read(SOUND).unwrap();
+    assert_eq!(scene.parts().len(), 2);
+    assert!(scene.incident_field().is_some());
+    assert_eq!(scene.remarks().len(), 1);
+}
+
+/// A fault is told with line, column and what is wrong.
+#[test]
+fn every_fault_has_its_place() {
+    for (old, new, message) in [
+        // Syntax.
+        ("[mesh]", "[mesh§", "unclosed table"),
+        // Keys that do not exist: at the top, in a section, in an open table, in a tagged one.
+        ("title", "§titel", "unknown key 'titel'"),
+        ("cut =", "§cutt =", "unknown key 'cutt'"),
+        ("density =", "§densty =", "unknown key 'densty'"),
+        (
+            "faces =",
+            "§distanze = 3\nfaces =",
+            "unknown key 'distanze'",
+        ),
+        ("order =", "§ordre =", "unknown key 'ordre'"),
+        // Keys that are missing.
+        (
+            "[time]\nduration = 20",
+            "§[time]",
+            "the key 'duration' is missing",
+        ),
+        (
+            "{ kind = \"velocity-polynomial\", ",
+            "§{ ",
+            "the key 'kind' is missing",
+        ),
+        // Values of a wrong type.
+        (
+            "peak = 1.7",
+            "peak = §\"1.7\"",
+            "found the text \"1.7\", expected a number above 0",
+        ),
+        ("name = \"rock\"", "name = §3", "expected a text in quotes"),
+        ("[0, 0, -60]", "§[0, 0]", "expected a list of length 3"),
+        (
+            "{ kind = \"velocity-polynomial\", order = 5 }",
+            "§\"mean\"",
+            "expected a table with the key 'kind'",
+        ),
+        // Impossible values.
+        (
+            "poisson = 0.27",
+            "poisson = §0.5",
+            "expected a number above -1 and below 0.5",
+        ),
+        (
+            "young = 9.0e9",
+            "young = §-9.0e9",
+            "expected a number above 0",
+        ),
+        (
+            "density = 2750",
+            "density = §nan",
+            "expected a number above 0",
+        ),
+        (
+            "incidence = 30",
+            "incidence = §300",
+            "expected an angle of 0 to 180 degrees",
+        ),
+        (
+            "duration = 20",
+            "duration = 20\nstep = §0",
+            "expected \"auto\" or a number of seconds above 0",
+        ),
+        (
+            "{ kind = \"velocity-polynomial\", order = 5 }",
+            "§{ kind = \"velocity-polynomial\", order = 50 }",
+            "order = 50 is outside",
+        ),
+        (
+            "cut = [0, 20]",
+            "cut = §[0, 200]",
+            "outside its permitted range",
+        ),
+        (
+            "kind = \"sv\"",
+            "kind = §\"sx\"",
+            "'sx' is not permitted here",
+        ),
+        // Names that refer to nothing.
+        (
+            "set = \"lining\"",
+            "set = §\"linig\"",
+            "there is no element set 'linig'",
+        ),
+        (
+            "\"left\", \"right\"",
+            "\"left\", §\"rigth\"",
+            "there is no facet set 'rigth'",
+        ),
+        (
+            "material = \"rock\"",
+            "material = §\"rok\"",
+            "there is no material 'rok'",
+        ),
+        (
+            "law = \"elastic\"",
+            "law = §\"elastik\"",
+            "there is no law 'elastik'",
+        ),
+        (
+            "kernel = \"hex8-full\"",
+            "kernel = §\"hex20\"",
+            "there is no kernel 'hex20'",
+        ),
+        (
+            "kind = \"viscous-spring\"",
+            "kind = §\"springs\"",
+            "there is no boundary 'springs'",
+        ),
+        (
+            "record = \"el-centro\"",
+            "record = §\"kobe\"",
+            "there is no record 'kobe'",
+        ),
+        (
+            "\"../meshes/cavern_small.msh\"",
+            "§\"nothing.msh\"",
+            "nothing.msh",
+        ),
+        (
+            "\"../records/el_centro_1940_ns.csv\"",
+            "§\"nothing.csv\"",
+            "nothing.csv",
+        ),
+        // What another crate refuses.
+        (
+            "kind = \"sv\"\nincidence = 30",
+            "kind = \"p\"\nincidence = §90",
+            "P incidence of 90 degrees is above 89",
+        ),
+        (
+            "name = \"el-centro\"",
+            "name = §\"el-centro\"\nend_displacement = 1",
+            "end displacement",
+        ),
+        (
+            "convention = \"incident\"",
+            "convention = §\"surface-y\"",
+            "the surface moves by 0.0000",
+        ),
+        ("[0, 0, -60]", "§[0, 0, -70]", "lies in no element"),
+        // What does not go together.
+        (
+            "30\nrecord = \"el-centro\"",
+            "§30",
+            "exactly one of record, pulse",
+        ),
+        (
+            "\"crown\"",
+            "§\"crown\"\nset = \"top\"",
+            "exactly one of at, node, set",
+        ),
+        ("set = \"lining\"", "set = §\"rock\"", "belongs to 2 parts"),
+    ] {
+        let told = fault(old, new).to_string();
+        assert!(told.contains(message), "{new}: {told}");
+        assert!(told.contains("data/scenes/test.toml:"), "{told}");
+    }
+}
+
+/// The free field has one medium: faces before rock and concrete are refused.
+#[test]
+fn a_field_has_one_medium() {
+    let two = SOUND.replace(
+        "set = \"lining\"\nmaterial = \"rock\"",
+        "set = \"lining\"\nmaterial = \"concrete\"",
+    ) + "[[material]]\nname = \"concrete\"\nlaw = \"elastic\"\nyoung = 25e9\npoisson = 0.17\ndensity = 2500\n";
+    let fault = fault_of(&two, "[\"left\"", "[§\"intrados\", \"left\"");
+    assert!(
+        matches!(fault.problem(), Problem::SeveralMedia { count: 2 }),
+        "{fault}"
+    );
+}
+
+/// The message shows the line, points at the place, lists what is permitted and guesses the word
+/// that was meant.
+#[test]
+fn a_fault_is_shown_with_its_line_and_the_nearest_name() {
+    let shown = fault("set = \"lining\"", "set = §\"linig\"").render(false);
+    let lines: Vec<&str> = shown.lines().collect();
+    assert_eq!(lines[0], "error: there is no element set 'linig'");
+    assert!(lines[1].ends_with("data/scenes/test.toml:18:7"), "{shown}");
+    assert_eq!(lines[3], "18 | set = \"linig\"");
+    assert_eq!(lines[4], "   |       ^^^^^^^");
+    assert!(shown.contains("did you mean 'lining'?"), "{shown}");
+    assert!(shown.contains("available: lining, rock"), "{shown}");
+    assert!(!shown.contains('\u{1b}'));
+    assert!(fault("title", "§titel").render(true).contains('\u{1b}'));
+    // Far from every name nothing is guessed.
+    assert!(
+        !fault("set = \"lining\"", "set = §\"x\"")
+            .render(false)
+            .contains("mean")
+    );
+    let shown = fault(
+        "kind = \"sv\"\nincidence = 30",
+        "kind = \"p\"\nincidence = 90",
+    )
+    .render(false);
+    assert!(shown.contains("space = \"full-space\""), "{shown}");
+}
+
+/// A step above the stable one, and springs without a distance, are only found when the model is
+/// built; they are told in place all the same.
+#[test]
+fn what_the_model_refuses_has_a_place_too() {
+    let step = SOUND.replace("duration = 20", "duration = 20\nstep = 0.01");
+    let mut simulation = read(&step).unwrap().prepare().unwrap();
+    let error = simulation.step().unwrap_err().to_string();
+    assert!(
+        error.contains("test.toml:42:8: a step of 1.000000e-2 s"),
+        "{error}"
+    );
+    let behind = SOUND.replace("[time]", "scatterer = [0, 0, -150]\n[time]");
+    let Err(error) = read(&behind).unwrap().prepare() else {
+        panic!("a scatterer on a face was accepted")
+    };
+    let error = error.to_string();
+    assert!(
+        error.contains("test.toml:37:8: boundary: face 'bottom'"),
+        "{error}"
+    );
+}
+
+/// Several faults give one message, and text that is no scene at all gives one too.
+#[test]
+fn any_text_gives_one_fault() {
+    for text in [
+        "",
+        "\u{feff}",
+        "title = 1",
+        "a = [",
+        "[[mesh]]",
+        "material = 3",
+        "[boundary]\nkind = 1",
+        "title = \"\\q\"",
+        "\r\n",
+    ] {
+        match read(text) {
+            Err(Error::Scene(fault)) => assert!(!fault.render(false).is_empty()),
+            other => panic!("{text:?}: {:?}", other.err()),
+        }
+    }
+    let cut: Vec<usize> = (0..SOUND.len()).step_by(7).collect();
+    for end in cut {
+        if let Err(error) = read(&SOUND[..end]) {
+            assert!(matches!(error, Error::Scene(_)), "{error}");
+        }
+    }
+}

@@ -1,0 +1,439 @@
+//! Scenes run: from files and from Rust alike, with a user's own types, to complete output.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use powerhouse::boundary::ViscousSpring;
+use powerhouse::engine::observe::Motion;
+use powerhouse::engine::{Ended, Hex8Full, SolidKernel, Support};
+use powerhouse::io::{read_table, write_gmsh};
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{ElasticMedium, HistoryVariable, LawInput, Mesh, PointLaw, Stress, Vec3};
+use powerhouse::wavefield::{
+    Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
+};
+use powerhouse::{
+    Boundary, Error, InitialMotion, Kernel, Material, OutputPlan, Part, Registry, ResultFolder,
+    Results, RunHooks, Scene, SnapshotWish, TimeStep,
+};
+
+const ROCK: ElasticMedium = ElasticMedium {
+    young: 9.0e9,
+    poisson: 0.27,
+    density: 2750.0,
+};
+const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
+
+/// A folder of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("powerhouse-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn cube() -> Mesh {
+    let (low, high) = (Vec3::new(0.0, 0.0, -300.0), Vec3::new(300.0, 300.0, 0.0));
+    Mesh::box_of_hexes(low, high, [6, 6, 6], "rock").unwrap()
+}
+
+/// The scene of [`cube_scene`] as a file.
+const CUBE: &str = r#"
+title = "cube"
+[mesh]
+file = "cube.msh"
+[[material]]
+name = "granite"
+law = "elastic"
+young = 9.0e9
+poisson = 0.27
+density = 2750
+[[part]]
+set = "rock"
+material = "granite"
+kernel = "hex8-full"
+[[wave]]
+kind = "sv"
+incidence = 20
+azimuth = 30
+pulse = { kind = "smooth", displacement = 0.01, duration = 0.4 }
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "front", "back", "bottom"]
+scatterer = [150, 150, 0]
+[time]
+duration = 0.6
+[output]
+every = 0.01
+[[output.history]]
+name = "surface"
+at = [150, 150, 0]
+"#;
+
+/// The same scene composed in Rust.
+fn cube_scene() -> Scene {
+    let mesh = cube();
+    let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
+    parameters.incidence = Angle::from_degrees(20.0);
+    parameters.azimuth = Angle::from_degrees(30.0);
+    let (low, high) = mesh.bounding_box();
+    parameters.reference = first_hit_corner(&low, &high, &parameters.direction());
+    let pulse = Arc::new(SmoothPulse::new(0.01, 0.4).unwrap());
+    let centre = Vec3::new(150.0, 150.0, 0.0);
+    let mut output = OutputPlan::default().history("surface", centre, Motion::ALL);
+    output.every = 0.01;
+    Scene::new("cube", mesh)
+        .part(
+            Part::new("rock", Material::new(LinearElastic::new(ROCK)))
+                .kernel(SolidKernel::Hex8Full),
+        )
+        .field(PlaneWave::new(parameters, pulse).unwrap())
+        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre))
+        .duration(0.6)
+        .output(output)
+}
+
+fn run(scene: Scene) -> Results {
+    scene.prepare().unwrap().run(RunHooks::default()).unwrap()
+}
+
+/// A scene from a file and the same one composed in Rust give the same bits.
+#[test]
+fn file_and_builder_are_equal() {
+    let folder = Folder::new("equal");
+    write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+    let path = folder.0.join("cube.toml");
+    std::fs::write(&path, CUBE).unwrap();
+    let from_file = run(Scene::from_file(&path).unwrap());
+    let from_rust = run(cube_scene());
+    assert_eq!(from_file.run.steps, from_rust.run.steps);
+    assert_eq!(from_file.histories, from_rust.histories);
+    // And something moved.
+    let peak = from_file
+        .histories
+        .column("surface.ux")
+        .unwrap()
+        .values
+        .iter();
+    assert!(peak.fold(0.0_f64, |most, u| most.max(u.abs())) > 0.01);
+}
+
+/// A user's law, kernel and boundary are named in a scene file after they are registered, and take
+/// part in the run: a law equal to the elastic one gives the same motion.
+#[test]
+fn registered_types_run_from_files() {
+    #[derive(Clone)]
+    struct Granite(ElasticMedium);
+    impl PointLaw for Granite {
+        fn name(&self) -> &str {
+            "granite"
+        }
+        fn medium(&self) -> ElasticMedium {
+            self.0
+        }
+        fn history(&self) -> &'static [HistoryVariable] {
+            &[]
+        }
+        fn stress_change(&self, input: &LawInput<f64>, _new: &mut [f64]) -> Stress {
+            Stress::elastic(self.0.lambda(), self.0.shear(), &input.strain)
+        }
+    }
+    #[derive(serde::Deserialize, schemars::JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    struct Grade {
+        /// Young's modulus in GPa.
+        gigapascal: f64,
+    }
+    let mut registry = Registry::default();
+    registry.add_law("granite", |grade: Grade| {
+        let medium = ElasticMedium::new(1e9 * grade.gigapascal, 0.27, 2750.0)?;
+        Ok(Material::from_point_law(Granite(medium)))
+    });
+    registry.add_kernel("my-brick", Kernel::own(Hex8Full));
+    registry.add_boundary("my-springs", |_: Empty| {
+        Ok(Arc::new(ViscousSpring::default()))
+    });
+    #[derive(serde::Deserialize, schemars::JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    struct Empty {}
+
+    let folder = Folder::new("registered");
+    write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+    let text = CUBE
+        .replace(
+            "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750",
+            "law = \"granite\"\ngigapascal = 9",
+        )
+        .replace("hex8-full", "my-brick")
+        .replace("viscous-spring", "my-springs");
+    let scene = Scene::from_toml(text.clone(), folder.0.join("cube.toml"), &registry).unwrap();
+    let (own, built_in) = (run(scene), run(cube_scene()));
+    for (own, built_in) in own
+        .histories
+        .columns
+        .iter()
+        .zip(&built_in.histories.columns)
+    {
+        let scale = built_in
+            .values
+            .iter()
+            .fold(0.0_f64, |most, u| most.max(u.abs()));
+        for (a, b) in own.values.iter().zip(&built_in.values) {
+            assert!((a - b).abs() <= 1e-9 * scale, "{}", own.name);
+        }
+    }
+    // A parameter that the law's own check refuses is told where it stands.
+    let wrong = text.replace("gigapascal = 9", "gigapascal = -9");
+    let Err(Error::Scene(fault)) = Scene::from_toml(wrong, "cube.toml", &registry) else {
+        panic!("a negative modulus was accepted")
+    };
+    assert!(fault.to_string().contains("young = -9000000000"), "{fault}");
+}
+
+/// A run that is stopped from outside leaves complete output.
+#[test]
+fn a_stopped_run_leaves_complete_output() {
+    let folder = Folder::new("stopped");
+    let results = ResultFolder::new(folder.0.join("out"));
+    let mut scene = cube_scene();
+    let mut plan = scene.output_plan().clone();
+    plan.energies = Some(0.05);
+    plan.snapshots = Some(SnapshotWish {
+        fields: Default::default(),
+        every: 0.05,
+    });
+    plan.envelope = Some(powerhouse::EnvelopeWish {
+        motion: Motion::ALL,
+        stress: true,
+        sets: Vec::new(),
+        every: 0.01,
+    });
+    scene = scene.output(plan);
+    let simulation = scene.prepare().unwrap();
+    let mesh = simulation.mesh().clone();
+    let stop = Arc::new(AtomicBool::new(false));
+    let raised = stop.clone();
+    let hooks = RunHooks {
+        stop: Some(stop),
+        snapshots: Some(results.snapshots(&mesh).unwrap()),
+        progress: Some(Box::new(move |progress| {
+            if progress.done == 20 {
+                raised.store(true, Ordering::Relaxed);
+            }
+        })),
+        ..RunHooks::default()
+    };
+    let found = simulation.run(hooks).unwrap();
+    assert_eq!((found.run.steps, &found.run.ended), (21, &Ended::Stopped));
+    let files = results
+        .write(("cube", &mesh), &found, &[], Some(CUBE))
+        .unwrap();
+    let names: Vec<String> = files
+        .iter()
+        .map(|file| {
+            file.strip_prefix(results.path())
+                .unwrap()
+                .display()
+                .to_string()
+        })
+        .collect();
+    for name in [
+        "summary.json",
+        "scene.toml",
+        "histories.csv",
+        "energies.csv",
+        "plots/surface.svg",
+        "plots/energies.svg",
+        "envelope.vtu",
+        "pictures/largest-displacement.png",
+        "pictures/least-principal-stress.png",
+        "snapshots.pvd",
+    ] {
+        assert!(
+            names.contains(&name.to_owned()),
+            "{name} is not among {names:?}"
+        );
+    }
+    assert!(files.iter().all(|file| file.metadata().unwrap().len() > 0));
+    let table = read_table(&results.path().join("histories.csv")).unwrap();
+    assert_eq!(table[0].name, "time");
+    assert_eq!(table[0].values.len(), found.histories.times.len());
+    let summary = std::fs::read_to_string(results.path().join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["ended"], "stopped");
+    assert_eq!(summary["steps"], 21);
+}
+
+/// What does not fit together is refused before the run, by name.
+#[test]
+fn misfits_are_refused_by_name() {
+    let rock = || Material::new(LinearElastic::new(ROCK));
+    let no_part = Scene::new("none", cube()).prepare();
+    assert!(matches!(
+        no_part,
+        Err(Error::PartCount {
+            element: 1,
+            count: 0
+        })
+    ));
+    let twice = Scene::new("twice", cube())
+        .part(Part::new("rock", rock()))
+        .part(Part::new("rock", rock()));
+    assert!(matches!(
+        twice.prepare(),
+        Err(Error::PartCount {
+            element: 1,
+            count: 2
+        })
+    ));
+    let set = Scene::new("set", cube())
+        .part(Part::new("rok", rock()))
+        .prepare();
+    assert!(set.is_err_and(|error| error.to_string().contains("'rok'")));
+    let share = cube_scene().step(TimeStep::OfStable(1.5)).prepare();
+    assert!(share.is_err_and(|error| error.to_string().contains("share = 1.5")));
+    let field = Scene::new("field", cube())
+        .part(Part::new("rock", rock()))
+        .start(0.0, InitialMotion::Field);
+    assert!(matches!(field.prepare(), Err(Error::NoField)));
+    let mut step = cube_scene().step(TimeStep::Seconds(1.0)).prepare().unwrap();
+    assert!(matches!(step.step(), Err(Error::Run(_))));
+}
+
+/// A body that starts with the motion of a wave that is already inside goes on with it: a pulse
+/// halfway up a box keeps its shape, where a start from rest would lose it.
+#[test]
+fn a_body_may_start_with_the_field() {
+    let scene = |motion| {
+        let mut scene = cube_scene().start(0.25, motion).duration(0.1);
+        let mut plan = scene.output_plan().clone();
+        plan.every = 0.1;
+        scene = scene.output(plan);
+        scene
+    };
+    let field = scene(InitialMotion::Field)
+        .incident_field()
+        .unwrap()
+        .clone();
+    let sampler = field.prepare(&[Vec3::new(150.0, 150.0, 0.0)]).unwrap();
+    let error = |motion| {
+        let results = run(scene(motion));
+        let time = *results.histories.times.last().unwrap();
+        let mut exact = [Default::default()];
+        sampler.add_motion(time, &mut exact);
+        let found = results
+            .histories
+            .column("surface.ux")
+            .unwrap()
+            .values
+            .last()
+            .copied();
+        ((found.unwrap() - exact[0].displacement.x) / exact[0].displacement.x).abs()
+    };
+    let (with_field, from_rest) = (error(InitialMotion::Field), error(InitialMotion::Rest));
+    assert!(
+        with_field < 0.1 && from_rest > 2.0 * with_field,
+        "{with_field} {from_rest}"
+    );
+}
+
+/// Rollers take the mean normal of their face by default; supports of a scene hold what they name.
+#[test]
+fn supports_of_a_scene_hold() {
+    let folder = Folder::new("supports");
+    write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+    let text = r#"
+title = "pressed cube"
+[mesh]
+file = "cube.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 9.0e9
+poisson = 0.0
+density = 2750
+[[part]]
+set = "rock"
+material = "rock"
+damping = { kind = "coefficients", mass = 20, stiffness = 0 }
+[[support]]
+kind = "roller"
+set = "bottom"
+[[support]]
+kind = "roller"
+set = "left"
+[[support]]
+kind = "fixed"
+set = "front"
+[[load]]
+kind = "pressure"
+set = "top"
+pressure = 3.0e6
+function = { kind = "ramp", duration = 0.2 }
+[time]
+duration = 0.1
+[[output.history]]
+name = "bottom"
+set = "bottom"
+[[output.history]]
+name = "left"
+set = "left"
+[[output.history]]
+name = "front"
+set = "front"
+[[output.history]]
+name = "top"
+set = "top"
+"#;
+    let scene = Scene::from_toml(text, folder.0.join("s.toml"), &Registry::default()).unwrap();
+    let results = run(scene);
+    let peak = |name: &str| {
+        let column = results.histories.column(name).unwrap();
+        column
+            .values
+            .iter()
+            .fold(0.0_f64, |most, u| most.max(u.abs()))
+    };
+    assert!(peak("bottom.uz") == 0.0 && peak("left.ux") == 0.0 && peak("front.uz") == 0.0);
+    assert!(peak("top.uz") > 1e-3 && peak("bottom.uy") >= 0.0);
+}
+
+/// `Support` of the engine and a scene's own are the same.
+#[test]
+fn engine_supports_go_into_the_builder() {
+    let mesh = cube();
+    let nodes = mesh.nodes_of_facets(mesh.facet_set("bottom").unwrap());
+    let scene = Scene::new("held", mesh)
+        .part(Part::new("rock", Material::new(LinearElastic::new(ROCK))))
+        .support(Support::fixed(nodes))
+        .gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 0.05).min(1.0))
+        .duration(0.05)
+        .output(OutputPlan::default().history(
+            "top",
+            Vec3::new(150.0, 150.0, 0.0),
+            Motion::DISPLACEMENT,
+        ));
+    let results = run(scene);
+    let top = results
+        .histories
+        .column("top.uz")
+        .unwrap()
+        .values
+        .last()
+        .copied()
+        .unwrap();
+    // Free fall under a ramp for as long as no wave from the base has arrived: g t^3 / (6 T).
+    let time = results.histories.times.last().copied().unwrap();
+    let fall = -9.81 * time.powi(3) / (6.0 * 0.05);
+    assert!((top - fall).abs() < 1e-3 * fall.abs(), "{top} {fall}");
+}

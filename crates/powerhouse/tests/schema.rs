@@ -1,0 +1,76 @@
+//! The JSON schema tells editors what the reader accepts.
+
+use powerhouse::Registry;
+use serde_json::Value;
+
+fn schema() -> Value {
+    Registry::default().schema().to_value()
+}
+
+/// Every key of the format is documented in the schema.
+#[test]
+fn every_key_is_documented() {
+    fn walk(value: &Value, path: &str, bare: &mut Vec<String>) {
+        if let Some(Value::Object(properties)) = value.get("properties") {
+            for (key, property) in properties {
+                let constant = property.get("const").is_some();
+                if property.get("description").is_none() && !constant {
+                    bare.push(format!("{path}.{key}"));
+                }
+            }
+        }
+        match value {
+            Value::Object(fields) => fields
+                .iter()
+                .filter(|(key, _)| *key != "if")
+                .for_each(|(key, field)| walk(field, &format!("{path}/{key}"), bare)),
+            Value::Array(items) => items.iter().for_each(|item| walk(item, path, bare)),
+            _ => {}
+        }
+    }
+    let mut bare = Vec::new();
+    walk(&schema(), "", &mut bare);
+    assert_eq!(bare, Vec::<String>::new());
+}
+
+/// Registered laws and boundaries bring their keys, with ranges, into the schema.
+#[test]
+fn registered_types_bring_their_keys() {
+    let schema = schema();
+    let laws = &schema["$defs"]["Material"]["properties"]["law"]["enum"];
+    assert_eq!(laws, &serde_json::json!(["elastic"]));
+    let elastic = &schema["$defs"]["Material"]["allOf"][0]["then"]["properties"];
+    assert_eq!(elastic["poisson"]["exclusiveMaximum"], 0.5);
+    let boundaries = schema["$defs"]["BoundarySection"]["allOf"]
+        .as_array()
+        .unwrap();
+    let spring = boundaries
+        .iter()
+        .find(|choice| choice["if"]["properties"]["kind"]["const"] == "viscous-spring")
+        .unwrap();
+    assert!(spring["then"]["properties"]["distance"].is_object());
+    let kernels = &schema["$defs"]["Part"]["properties"]["kernel"]["enum"];
+    assert!(
+        kernels
+            .as_array()
+            .unwrap()
+            .contains(&"hex8-one-point".into())
+    );
+}
+
+/// Unknown keys are refused by the schema as they are by the reader.
+#[test]
+fn every_table_is_closed() {
+    let schema = schema();
+    for (name, definition) in schema["$defs"].as_object().unwrap() {
+        let open = |table: &Value| {
+            table.get("properties").is_some()
+                && table.get("additionalProperties") != Some(&Value::Bool(false))
+                && table.get("unevaluatedProperties") != Some(&Value::Bool(false))
+        };
+        assert!(!open(definition), "{name}");
+        for variant in definition["oneOf"].as_array().into_iter().flatten() {
+            assert!(!open(variant), "{name}: {variant}");
+        }
+    }
+}

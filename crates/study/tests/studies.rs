@@ -1,0 +1,178 @@
+//! What studies say of scenes whose answers are known.
+
+use std::sync::Arc;
+
+use powerhouse::boundary::ViscousSpring;
+use powerhouse::engine::Rayleigh;
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{ElasticMedium, Mesh, Vec3};
+use powerhouse::wavefield::{
+    Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
+};
+use powerhouse::{Boundary, Material, Part, Registry, Remark, RunHooks, Scene};
+use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError, Warning, check};
+
+const ROCK: ElasticMedium = ElasticMedium {
+    young: 9.0e9,
+    poisson: 0.27,
+    density: 2750.0,
+};
+
+/// A cube of 300 m under an SV wave at 20 degrees, cut into so many cells along an edge.
+fn cube(cells: usize) -> (Mesh, PlaneWave) {
+    let (low, high) = (Vec3::new(0.0, 0.0, -300.0), Vec3::new(300.0, 300.0, 0.0));
+    let mesh = Mesh::box_of_hexes(low, high, [cells; 3], "rock").unwrap();
+    let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
+    parameters.incidence = Angle::from_degrees(20.0);
+    parameters.reference = first_hit_corner(&low, &high, &parameters.direction());
+    let pulse = Arc::new(SmoothPulse::new(0.01, 0.5).unwrap());
+    (mesh, PlaneWave::new(parameters, pulse).unwrap())
+}
+
+fn rock() -> Part {
+    Part::new("rock", Material::new(LinearElastic::new(ROCK)))
+}
+
+fn scene(cells: usize, faces: &[&str]) -> Scene {
+    let (mesh, wave) = cube(cells);
+    Scene::new("cube", mesh)
+        .part(rock())
+        .field(wave)
+        .boundary(
+            Boundary::new(ViscousSpring::default(), faces.iter().copied())
+                .scatterer(Vec3::new(150.0, 150.0, -100.0)),
+        )
+        .duration(1.5)
+}
+
+const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
+
+fn free_field(scene: &Scene) -> FreeFieldReport {
+    let check = FreeFieldCheck::of(scene).unwrap();
+    check.run(0.0, RunHooks::default()).unwrap()
+}
+
+/// The error of the free field is that of the elements: it falls with the square of their size, at
+/// the surface and at the structure.
+#[test]
+fn the_free_field_error_falls_with_the_square_of_the_size() {
+    let (coarse, fine) = (
+        free_field(&scene(8, &SIDES)),
+        free_field(&scene(16, &SIDES)),
+    );
+    assert_eq!((coarse.cells, fine.cells), ([8; 3], [16; 3]));
+    for (coarse, fine) in coarse.points.iter().zip(&fine.points) {
+        for (coarse, fine) in [
+            (coarse.displacement, fine.displacement),
+            (coarse.velocity, fine.velocity),
+        ] {
+            let slope = (coarse / fine).log2();
+            assert!((slope - 2.0).abs() < 0.3, "{coarse} {fine}: slope {slope}");
+        }
+    }
+    let largest = coarse.largest();
+    assert!(coarse.require(largest).is_ok());
+    assert!(matches!(
+        coarse.require(0.9 * largest),
+        Err(StudyError::TooCoarse { error, .. }) if error == largest
+    ));
+}
+
+/// The box of a scene takes its absorbing faces whatever they are called, one or several.
+#[test]
+fn faces_may_have_any_names() {
+    let (mut mesh, wave) = cube(6);
+    let mut outer = Vec::new();
+    for side in SIDES {
+        outer.extend_from_slice(mesh.facet_set(side).unwrap());
+    }
+    mesh.set_facet_set("outer", outer).unwrap();
+    let scene_with_one = Scene::new("cube", mesh)
+        .part(rock())
+        .field(wave)
+        .boundary(
+            Boundary::new(ViscousSpring::default(), ["outer"])
+                .scatterer(Vec3::new(150.0, 150.0, -100.0)),
+        )
+        .duration(1.5);
+    let (one, five) = (free_field(&scene_with_one), free_field(&scene(6, &SIDES)));
+    // Edges sum their faces in another order: rounding is all that may differ.
+    for (one, five) in one.points.iter().zip(&five.points) {
+        assert!((one.velocity - five.velocity).abs() < 1e-9 * five.velocity);
+    }
+}
+
+/// A box that is open on a side has no free field to be compared with.
+#[test]
+fn an_open_side_is_refused_by_name() {
+    let open = FreeFieldCheck::of(&scene(4, &["left", "front", "back", "bottom"]));
+    assert!(matches!(open, Err(StudyError::OpenFace { face: "right" })));
+    let (mesh, _) = cube(4);
+    let still = FreeFieldCheck::of(&Scene::new("still", mesh).part(rock()));
+    assert!(matches!(still, Err(StudyError::NoField)));
+}
+
+/// A part carries ten elements per wavelength of shear waves; a run takes the stable step as often
+/// as the duration needs, and one step to see its end.
+#[test]
+fn a_check_says_what_elements_carry_and_how_many_steps_a_run_takes() {
+    let report = check(scene(6, &SIDES)).unwrap();
+    let carried = &report.resolution[0];
+    assert_eq!(carried.set, "rock");
+    assert!((carried.longest_edge - 50.0).abs() < 1e-12);
+    assert!((carried.frequency - ROCK.s_speed() / 500.0).abs() < 1e-12);
+    assert_eq!(report.cost.step, report.stable.step);
+    assert_eq!(
+        report.cost.steps,
+        (1.5 / report.cost.step).ceil() as u64 + 1
+    );
+    assert_eq!((report.nodes, report.elements), (343, 216));
+    assert_eq!(report.warnings, []);
+    // A cube's element bound is 0.758 h/cp at this ratio; the assembled limit lies above it.
+    let bound = 0.758 * 50.0 / ROCK.p_speed();
+    assert!((report.stable.element_bound / bound - 1.0).abs() < 0.02);
+    assert!(report.stable.assembled_limit > 1.1 * bound);
+}
+
+/// Doubts are told: long elements, damping before an absorbing face, motion that is too fast for
+/// the elements.
+#[test]
+fn a_check_warns() {
+    let damped = {
+        let (mesh, wave) = cube(4);
+        let mesh = mesh
+            .map_positions(|x| Vec3::new(x.x, x.y, 0.05 * x.z))
+            .unwrap();
+        let rayleigh = Rayleigh::from_ratio(0.05, 1.0, 10.0).unwrap();
+        Scene::new("flat", mesh)
+            .part(rock().damping(rayleigh))
+            .field(wave)
+            .boundary(
+                Boundary::new(ViscousSpring::default(), SIDES)
+                    .scatterer(Vec3::new(150.0, 150.0, -7.0)),
+            )
+    };
+    let report = check(damped).unwrap();
+    assert!(report.warnings.iter().any(
+        |warning| matches!(warning, Warning::Aspect { ratio } if (ratio - 20.0).abs() < 1e-9)
+    ));
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../data/scenes/cavern_small.toml"
+    );
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace(
+        "kernel = \"hex8-one-point\"",
+        "damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 10] }",
+    );
+    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    let warnings = check(scene).unwrap().warnings;
+    assert!(warnings.iter().any(
+        |warning| matches!(warning, Warning::Remark(Remark::DampedRim { set }) if set == "rock")
+    ));
+    // The coarse mesh carries 8 Hz, the record has more.
+    assert!(warnings.iter().any(
+        |warning| matches!(warning, Warning::Unresolved { set, frequency, .. }
+            if set == "rock" && (frequency - 7.97).abs() < 0.01)
+    ));
+}
