@@ -13,6 +13,7 @@
 //! # #[derive(Clone)]
 //! # struct Linear(ElasticMedium);
 //! # impl ConstitutiveLaw for Linear {
+//! #     const LINEAR: bool = true;
 //! #     fn name(&self) -> &str { "linear" }
 //! #     fn medium(&self) -> ElasticMedium { self.0 }
 //! #     fn history(&self) -> &'static [HistoryVariable] { &[] }

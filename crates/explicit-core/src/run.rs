@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Cadence, Dynamics, Flow, ForceTerms, MassDampingRule, Observer, RunError, StepView,
-    TimeIntegrator,
+    Cadence, Dynamics, Flow, ForceTerms, MassDampingRule, Observer, ParameterError, RunError,
+    StepView, TimeIntegrator,
 };
 
 use crate::view::View;
@@ -212,6 +212,12 @@ fn steps(
     observers: &mut [Box<dyn Observer>],
     progress: &mut (dyn FnMut(Progress) + Send),
 ) -> Result<RunReport, RunError> {
+    if let Length::Seconds(duration) = options.length {
+        ParameterError::check("duration", duration, 0.0, f64::MAX)?;
+    }
+    if let Some(limit) = options.speed_limit {
+        ParameterError::check("speed limit", limit, f64::MIN_POSITIVE, f64::MAX)?;
+    }
     let (step, stable) = choose_step(model, integrator, options.step)?;
     let planned = match options.length {
         Length::Steps(count) => count,
@@ -274,13 +280,10 @@ fn choose_step(
             integrator.check(&limits, step)?;
             Ok((step, Some(model.stable_step(integrator)?)))
         }
-        StepChoice::Unchecked(step) if step.is_finite() && step > 0.0 => Ok((step, None)),
-        StepChoice::Unchecked(step) => Err(RunError::UnstableStep {
-            step,
-            limit: f64::MAX,
-            scheme: integrator.name(),
-            reason: "a step must be positive and finite".into(),
-        }),
+        StepChoice::Unchecked(step) => {
+            ParameterError::check("step", step, f64::MIN_POSITIVE, f64::MAX)?;
+            Ok((step, None))
+        }
     }
 }
 
@@ -381,6 +384,9 @@ impl Stage<'_> {
         let due: Vec<bool> = (self.observers.iter())
             .map(|observer| self.is_due(observer.cadence(), step))
             .collect();
+        if !due.contains(&true) {
+            return Ok(());
+        }
         let view = View::new(self.model, step, &self.energies);
         // If one of those that are due ends the run, the step is the last for the others too.
         for round in [true, false] {
@@ -432,7 +438,10 @@ impl Dynamics for Stage<'_> {
     fn drift(&mut self, step: f64) {
         match self.show(step) {
             Ok(()) => self.model.drift(step),
-            Err(failure) => self.failure = Some(failure),
+            Err(failure) => {
+                self.model.forget();
+                self.failure = Some(failure);
+            }
         }
     }
 }

@@ -16,6 +16,8 @@ use support::{dense_limit, noise, random_vectors};
 struct Linear(ElasticMedium);
 
 impl ConstitutiveLaw for Linear {
+    const LINEAR: bool = true;
+
     fn name(&self) -> &str {
         "linear"
     }

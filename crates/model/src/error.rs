@@ -72,6 +72,9 @@ impl ModelError {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RunError {
+    /// A parameter of the run outside its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The motion left the range of numbers, or grew past a stated bound.
     #[error(
         "the motion diverged at step {step} (t = {time:.6e} s): element {element} of set '{set}', \

@@ -48,6 +48,7 @@ impl Dynamics for Model {
             } else {
                 with_nodes!(&mut model.nodes, arrays => arrays.drift(step));
             }
+            model.uncommitted = true;
             model.time += step;
             model.number += 1;
         });
@@ -63,6 +64,11 @@ impl Model {
         }
     }
 
+    /// Forgets a kick that still waits for its drift: the motion is that of the step's start.
+    pub(crate) fn forget(&mut self) {
+        self.kicked = false;
+    }
+
     /// Commits what the blocks computed last.
     pub(crate) fn commit(&mut self) {
         if self.uncommitted {
@@ -72,7 +78,7 @@ impl Model {
     }
 
     fn evaluate(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
-        let commit = self.uncommitted;
+        let commit = core::mem::take(&mut self.uncommitted);
         let Self {
             nodes,
             blocks,
@@ -115,7 +121,6 @@ impl Model {
             loads.sums.write_plain(external);
             fault
         });
-        self.uncommitted = true;
         match fault {
             None => Ok(()),
             Some((set, fault)) => Err(RunError::Element {

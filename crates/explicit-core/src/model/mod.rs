@@ -67,7 +67,7 @@ pub struct Model {
     pub(crate) prepared: Option<(MassDampingRule, f64)>,
     /// A kick of the plain nodes that waits for the drift, with which it shares a pass.
     kicked: bool,
-    /// Whether the blocks hold a history that is to be committed.
+    /// Whether the blocks hold a history of a completed step that is to be committed.
     uncommitted: bool,
     /// The account of energies, while one is kept.
     pub(crate) ledger: Option<Box<Ledger>>,
@@ -129,10 +129,12 @@ impl Model {
         self.numbering.engine_of[node as usize] as usize
     }
 
-    /// Runs work in the model's own threads, if it has any.
+    /// Runs work in the model's own threads, or in those that all share: a thread of neither would
+    /// be woken for every pass.
     pub(crate) fn in_pool<R: Send>(&mut self, work: impl FnOnce(&mut Self) -> R + Send) -> R {
         match self.pool.clone() {
             Some(pool) if pool.current_thread_index().is_none() => pool.install(|| work(self)),
+            None if rayon::current_thread_index().is_none() => rayon::scope(|_| work(self)),
             _ => work(self),
         }
     }
