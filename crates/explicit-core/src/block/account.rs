@@ -90,7 +90,7 @@ where
         }
 
         if !M::LINEAR {
-            let numbers = self.places.len() * P * 6;
+            let numbers = self.places.as_slice().len() * P * 6;
             if account.stress.as_slice().len() != numbers {
                 account.stress = AlignedNumbers::zeros(numbers);
             }

@@ -11,9 +11,10 @@ use powerhouse_model::{
 use super::account::Account;
 use super::error::BlockError;
 use super::frequency::HighestSquares;
+use super::memory::Places;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
-use super::transfer::{Locals, NodeScalar};
+use super::transfer::{BlockNodes, Locals, NodeScalar};
 use super::{Block, History};
 use crate::lanes::Lanes;
 use crate::{BlockFactory, BlockOptions, BlockPart, Precision};
@@ -137,34 +138,46 @@ where
         };
         let places = self.connect(part, arrangement.width).map_err(refused)?;
         let padded = places.len();
+        let alike = alike::<N>(part);
 
         let length = self.kernel.geometry_len();
-        let mut geometry = AlignedNumbers::<S>::zeros(padded * length);
+        let stored = if alike { arrangement.width } else { padded };
+        let mut geometry = AlignedNumbers::<S>::zeros(stored * length);
         let mut sizes = AlignedNumbers::<S>::zeros(padded);
-        let mut shapes = Vec::with_capacity(part.elements.len());
+        let mut shapes: Vec<([Vec3; N], [f64; N])> = Vec::with_capacity(part.elements.len());
         let mut one = vec![0.0; length];
+        let mut size = 0.0;
         for element in 0..padded {
-            let mesh_element = part.elements[element.min(part.elements.len() - 1)];
-            let corners = corners_of(part, mesh_element);
-            self.kernel.geometry(&corners, &mut one);
-            for (index, number) in one.iter().enumerate() {
-                geometry.as_mut_slice()[arrangement.place(element, index, length)] =
-                    S::from_f64(*number);
-            }
-            let volume = self.volume(part, mesh_element, &one).map_err(refused)?;
-            sizes.as_mut_slice()[arrangement.place(element, 0, 1)] = S::from_f64(volume.cbrt());
-            if element < part.elements.len() {
+            if element < part.elements.len() && !(alike && element > 0) {
+                let mesh_element = part.elements[element];
+                let corners = corners_of(part, mesh_element);
+                self.kernel.geometry(&corners, &mut one);
+                let volume = self.volume(part, mesh_element, &one).map_err(refused)?;
+                size = volume.cbrt();
                 let shares = self.kernel.node_shares(&corners);
                 let masses = shares.map(|share| share * volume * medium.density);
                 positive(part, mesh_element, &masses).map_err(refused)?;
                 shapes.push((corners, masses));
             }
+            if element < stored {
+                for (index, number) in one.iter().enumerate() {
+                    geometry.as_mut_slice()[arrangement.place(element, index, length)] =
+                        S::from_f64(*number);
+                }
+            }
+            sizes.as_mut_slice()[arrangement.place(element, 0, 1)] = S::from_f64(size);
         }
         let squares = lanes.dispatch::<f64, _>(HighestSquares {
             kernel: &self.kernel,
             moduli,
             elements: &shapes,
         });
+        let mut masses: Vec<[f64; N]> = shapes.into_iter().map(|(_, masses)| masses).collect();
+        let mut frequencies: Vec<f64> = squares.into_iter().map(f64::sqrt).collect();
+        if let (Some(&mass), Some(&frequency)) = (masses.last(), frequencies.last()) {
+            masses.resize(part.elements.len(), mass);
+            frequencies.resize(part.elements.len(), frequency);
+        }
         let variables = self.law.history().len();
         Ok(Block {
             label: self.label.clone(),
@@ -174,12 +187,12 @@ where
             lanes,
             arrangement,
             elements: part.elements.to_vec(),
-            nodes: part.nodes.to_vec(),
-            places,
+            nodes: BlockNodes::new(part.nodes.to_vec()),
+            places: Places::new(places),
             geometry,
             sizes,
-            masses: shapes.into_iter().map(|(_, masses)| masses).collect(),
-            frequencies: squares.into_iter().map(f64::sqrt).collect(),
+            masses,
+            frequencies,
             active: None,
             reference: None,
             initial: AlignedNumbers::zeros(0),
@@ -236,6 +249,32 @@ where
             }),
         }
     }
+}
+
+/// Whether all elements are the first one moved elsewhere, to the rounding of the coordinates.
+fn alike<const N: usize>(part: &BlockPart) -> bool {
+    let Some(&first) = part.elements.first() else {
+        return false;
+    };
+    let relative = |element: u32| {
+        let corners = corners_of::<N>(part, element);
+        corners.map(|corner| corner - corners[0])
+    };
+    let shape = relative(first);
+    part.elements.iter().all(|&element| {
+        let tolerance = coordinate_rounding(&corners_of::<N>(part, element));
+        let other = relative(element);
+        shape
+            .iter()
+            .zip(&other)
+            .all(|(a, b)| (a - b).amax() <= tolerance)
+    })
+}
+
+/// What differences of the coordinates of an element may be off by (m).
+pub(crate) fn coordinate_rounding<const N: usize>(corners: &[Vec3; N]) -> f64 {
+    let largest = corners.iter().map(|corner| corner.amax());
+    4.0 * f64::EPSILON * largest.fold(0.0, f64::max)
 }
 
 fn corners_of<const N: usize>(part: &BlockPart, element: u32) -> [Vec3; N] {

@@ -69,6 +69,8 @@ where
     /// Geometry numbers of one element.
     fn geometry_of(&self, element: usize, out: &mut [f64]) {
         let length = out.len();
+        let alike = self.geometry.as_slice().len() == length * self.arrangement.width;
+        let element = if alike { 0 } else { element };
         for (index, number) in out.iter_mut().enumerate() {
             let place = self.arrangement.place(element, index, length);
             *number = self.geometry.as_slice()[place].to_f64();
@@ -82,8 +84,8 @@ where
             return [elastic; P];
         }
         let place = |index, count| self.arrangement.place(element, index, count);
-        let nodal =
-            self.places[element].map(|place| self.locals.displacement(place as usize).into());
+        let nodal = self.places.as_slice()[element]
+            .map(|place| self.locals.displacement(place as usize).into());
         let geometry = Geometry::<f64>::new((), geometry);
         let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
         let initial = self.initial.as_slice();
@@ -137,7 +139,7 @@ where
     pub(super) fn add_diagonal(&self, operator: Operator, out: &mut [Mat3]) {
         self.each_element(operator, |element, forces| {
             for a in 0..N {
-                let block = &mut out[self.places[element][a] as usize];
+                let block = &mut out[self.places.as_slice()[element][a] as usize];
                 for j in 0..3 {
                     let mut nodal = [[0.0; 3]; N];
                     nodal[a][j] = 1.0;

@@ -1,10 +1,12 @@
 //! Blocks: many elements of one kernel and one law, computed in lanes.
 
 mod account;
+mod batches;
 mod error;
 mod factory;
 mod frequency;
 mod linearised;
+mod memory;
 mod numbers;
 mod operations;
 mod survey;
@@ -22,14 +24,16 @@ use powerhouse_model::{
 use crate::Rayleigh;
 use crate::lanes::{Arrangement, BatchScalar, Lanes};
 use account::Account;
+use batches::Batches;
+use memory::Places;
 use numbers::AlignedNumbers;
 use operations::{Elastic, LawState, Material, Moduli, Rates};
 use survey::Summary;
-use transfer::{Batches, Locals, NodeScalar, collect};
+use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
 
 pub use error::BlockError;
-pub(crate) use factory::Isotropic;
 pub use factory::solid;
+pub(crate) use factory::{Isotropic, coordinate_rounding};
 
 /// The history variables of all points, before and after the step.
 struct History<S> {
@@ -59,10 +63,9 @@ struct Block<K, M, S, const N: usize, const P: usize> {
     arrangement: Arrangement,
     /// Mesh indices of the elements.
     elements: Vec<u32>,
-    /// Engine numbers of the nodes, by place.
-    nodes: Vec<u32>,
+    nodes: BlockNodes,
     /// Places of the nodes of each element, whole batches.
-    places: Vec<[u32; N]>,
+    places: Places<N>,
     geometry: AlignedNumbers<S>,
     /// Cube roots of the volumes (m).
     sizes: AlignedNumbers<S>,
@@ -93,7 +96,6 @@ where
             places: &self.places,
             active: self.active.as_deref(),
             geometry: self.geometry.as_slice(),
-            geometry_len: self.kernel.geometry_len(),
             arrangement: self.arrangement,
         }
     }
@@ -145,26 +147,26 @@ where
             return finite;
         }
         out.fill(Quad::default());
+        let damped = damping != 0.0;
         let mut locals = core::mem::take(&mut self.locals);
         let local = A::local(&mut locals);
-        let damped = damping != 0.0;
-        let reference = self.reference.as_deref();
-        collect(&mut local.displacement, &self.nodes, |place, node| {
-            let mut value = displacement[node];
-            if M::LINEAR && damped {
-                value = sum(value, velocity[node], damping);
+        copy_nodes(displacement, &self.nodes, &mut local.displacement);
+        if damped {
+            copy_nodes(velocity, &self.nodes, &mut local.velocity);
+        }
+        if M::LINEAR && damped {
+            for (value, &rate) in local.displacement.iter_mut().zip(&local.velocity) {
+                *value = sum(*value, rate, damping);
             }
-            match reference {
-                Some(reference) => difference(value, reference[place]),
-                None => value,
+        }
+        if let Some(reference) = &self.reference {
+            for (value, &from) in local.displacement.iter_mut().zip(reference) {
+                *value = difference(*value, from);
             }
-        });
+        }
         let finite = if M::LINEAR {
             self.elastic(&local.displacement, Some(out), None)
         } else {
-            if damped {
-                collect(&mut local.velocity, &self.nodes, |_, node| velocity[node]);
-            }
             let rates = damped.then_some(Rates {
                 velocity: &local.velocity,
                 damping,
@@ -230,7 +232,7 @@ where
 
     /// A displacement by place, since the reference.
     fn since_reference(&self, displacement: NodalView) -> Vec<Quad<f64>> {
-        let mut local = by_place(&self.nodes, displacement);
+        let mut local = by_place(&self.nodes.numbers, displacement);
         if let Some(reference) = &self.reference {
             for (value, &from) in local.iter_mut().zip(reference) {
                 *value = difference(*value, from);
@@ -260,14 +262,14 @@ where
     /// The first element whose nodes or stresses are not numbers.
     fn fault(&self, context: &BlockContext) -> Option<ElementFault> {
         let displacement = self.since_reference(context.displacement);
-        let velocity = by_place(&self.nodes, context.velocity);
+        let velocity = by_place(&self.nodes.numbers, context.velocity);
         let survey = self.survey(&displacement, None);
         let finite = |values: &[Quad<f64>], place: u32| {
             let vector = values[place as usize].to_vector();
             vector.iter().all(|component| component.is_finite())
         };
         let reason = |element: usize| {
-            let places = &self.places[element];
+            let places = &self.places.as_slice()[element];
             if !places.iter().all(|&place| finite(&displacement, place)) {
                 Some("a node's displacement is not finite")
             } else if !places.iter().all(|&place| finite(&velocity, place)) {
@@ -302,7 +304,7 @@ where
         }
         if context.ledger {
             let displacement = self.since_reference(context.displacement);
-            let velocity = by_place(&self.nodes, context.velocity);
+            let velocity = by_place(&self.nodes.numbers, context.velocity);
             self.book_step(context, &displacement, velocity);
         }
         Ok(())
@@ -312,26 +314,26 @@ where
         out.fill(Quad::default());
         if operator == Operator::Elastic || M::LINEAR {
             if const { size_of::<A>() < size_of::<S>() } {
-                let mut local = Vec::new();
-                collect(&mut local, &self.nodes, |_, node| {
-                    Quad::from_vector(&x[node].to_vector())
-                });
-                let mut sums = vec![Quad::<f64>::default(); out.len()];
-                self.elastic(&local, Some(&mut sums), None);
+                let double = |value: &Quad<A>| Quad::from_vector(&value.to_vector());
+                let x: Vec<Quad<f64>> = x.iter().map(double).collect();
+                let mut sums = vec![Quad::default(); out.len()];
+                self.apply_to(operator, &x, &mut sums);
                 for (out, sum) in out.iter_mut().zip(sums) {
                     *out = Quad::from_vector(&sum.to_vector());
                 }
             } else {
                 let mut local = Vec::new();
-                collect(&mut local, &self.nodes, |_, node| x[node]);
+                copy_nodes(x, &self.nodes, &mut local);
                 self.elastic(&local, Some(out), None);
             }
             return;
         }
         self.each_element(operator, |element, forces| {
-            let places = &self.places[element];
-            let value = |place: u32| x[self.nodes[place as usize] as usize].to_vector().into();
-            for (&place, force) in places.iter().zip(forces(&places.map(value))) {
+            let nodal = self.places.as_slice()[element].map(|place| {
+                let node = self.nodes.numbers[place as usize];
+                x[node as usize].to_vector().into()
+            });
+            for (&place, force) in self.places.as_slice()[element].iter().zip(forces(&nodal)) {
                 let sum = &mut out[place as usize];
                 *sum = Quad::from_vector(&(sum.to_vector() + Vec3::from(force)));
             }
@@ -371,7 +373,7 @@ where
         &self.elements
     }
     fn nodes(&self) -> &[u32] {
-        &self.nodes
+        &self.nodes.numbers
     }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
         match (context.displacement, context.velocity, out) {
@@ -400,7 +402,7 @@ where
     fn add_mass(&self, out: &mut [f64]) {
         for (element, masses) in self.masses.iter().enumerate() {
             if self.is_active(element) {
-                for (&place, mass) in self.places[element].iter().zip(masses) {
+                for (&place, mass) in self.places.as_slice()[element].iter().zip(masses) {
                     out[place as usize] += mass;
                 }
             }
@@ -428,8 +430,7 @@ where
         self.account.rest();
     }
     fn set_reference_displacement(&mut self, displacement: NodalView) {
-        let values = self.nodes.iter().map(|&n| displacement.vector(n as usize));
-        self.reference = Some(values.map(|value| Quad::from_vector(&value)).collect());
+        self.reference = Some(by_place(&self.nodes.numbers, displacement));
         self.account.rest();
     }
     fn set_initial_stress(&mut self, stress: &[Stress]) {
@@ -437,8 +438,8 @@ where
             // The change of stress of a linear law does not depend on where it starts.
             return;
         }
-        self.initial = AlignedNumbers::zeros(6 * self.places.len());
-        for element in 0..self.places.len() {
+        self.initial = AlignedNumbers::zeros(6 * self.places.as_slice().len());
+        for element in 0..self.places.as_slice().len() {
             let stress = &stress[element.min(stress.len() - 1)];
             for i in 0..6 {
                 let place = self.arrangement.place(element, i, 6);

@@ -2,10 +2,11 @@
 
 use powerhouse_model::{ConstitutiveLaw, ElementKernel, Geometry, LawInput, Quad, Strain, Stress};
 
+use super::batches::{Batch, Batches};
 use super::survey::{
     Summary, complementary_energy, each_lane, linear_energy, step_work, write_mean,
 };
-use super::transfer::{Batch, Batches, gather, scatter};
+use super::transfer::{gather, scatter};
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, MOST_LANES};
 
 /// Elastic constants of the undamaged material (Pa).
@@ -21,6 +22,11 @@ impl Moduli {
         self.lambda + 2.0 * self.shear
     }
 }
+
+/// Forces turned to rows. The alignment is that of a register, which makes the compiler align the
+/// whole stack frame: registers that it spills would straddle cache lines otherwise.
+#[repr(align(64))]
+struct Turned<T>(T);
 
 /// Zero as long as every stress seen is a number, NaN afterwards.
 #[derive(Clone, Copy)]
@@ -40,7 +46,7 @@ impl<L: BatchLane> Watch<L> {
     }
 }
 
-/// Elastic forces of the displacement `nodes` (by place); yields whether all is finite.
+/// Elastic forces of a displacement by place; yields whether all is finite.
 pub(super) struct Elastic<'a, K, A: BatchScalar, S, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) batches: Batches<'a, S, N>,
@@ -64,12 +70,16 @@ where
         let lambda = L::splat(token, self.moduli.lambda);
         let shear = L::splat(token, self.moduli.shear);
         let modulus = L::splat(token, self.moduli.constrained());
-        let mut rows = [[[S::default(); 4]; MOST_LANES]; N];
+        let mut rows = Turned([[[S::default(); 4]; MOST_LANES]; N]);
+        let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
+        let nodes = self.batches.places.over(self.nodes);
         for index in 0..self.batches.count(L::WIDTH) {
-            let batch = self.batches.batch(index, L::WIDTH);
+            let batch = self
+                .batches
+                .batch(index, L::WIDTH, self.kernel.geometry_len());
             let geometry = Geometry::<L>::new(token, batch.geometry);
-            let nodal = gather::<A, L, N>(token, self.nodes, batch.places);
+            gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
             let modes = self.kernel.modes(&nodal);
             let strains = self.kernel.strains(geometry, &modes);
             let mut stresses = [Stress::zero(token); P];
@@ -80,7 +90,7 @@ where
             let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
             let forces = self.kernel.nodal_forces(&forces);
             if let Some(out) = self.out.as_deref_mut() {
-                scatter::<A, L, N>(&forces, &batch, &mut rows, out);
+                scatter::<A, L, N>(&forces, &batch, &mut rows.0, out);
             }
             if let Some(survey) = self.survey.as_deref_mut() {
                 let volumes = self.kernel.volumes(geometry);
@@ -150,14 +160,18 @@ where
     #[inline(always)]
     fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let modulus = L::splat(token, self.moduli.constrained());
-        let mut rows = [[[S::default(); 4]; MOST_LANES]; N];
+        let mut rows = Turned([[[S::default(); 4]; MOST_LANES]; N]);
+        let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
         let mut old = vec![L::splat(token, 0.0); self.state.variables];
         let mut new = old.clone();
+        let nodes = self.batches.places.over(self.nodes);
         for index in 0..self.batches.count(L::WIDTH) {
-            let batch = self.batches.batch(index, L::WIDTH);
+            let batch = self
+                .batches
+                .batch(index, L::WIDTH, self.kernel.geometry_len());
             let geometry = Geometry::<L>::new(token, batch.geometry);
-            let nodal = gather::<A, L, N>(token, self.nodes, batch.places);
+            gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
             let mut modes = self.kernel.modes(&nodal);
             let strains = self.kernel.strains(geometry, &modes);
             let mut stresses = self.ask::<L>(token, index, &strains, (&mut old, &mut new));
@@ -174,7 +188,9 @@ where
                 }
             }
             if let Some(rates) = &mut self.rates {
-                let nodal = gather::<A, L, N>(token, rates.velocity, batch.places);
+                let velocity = self.batches.places.over(rates.velocity);
+                let velocity = velocity.elements(batch.first, L::WIDTH);
+                gather::<A, L, N>(token, velocity, &mut nodal);
                 let modal_rates = self.kernel.modes(&nodal);
                 let strain_rates = self.kernel.strains(geometry, &modal_rates);
                 if let (Some(survey), Some(stored)) =
@@ -211,7 +227,7 @@ where
             let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
             let forces = self.kernel.nodal_forces(&forces);
             if let Some(out) = self.out.as_deref_mut() {
-                scatter::<A, L, N>(&forces, &batch, &mut rows, out);
+                scatter::<A, L, N>(&forces, &batch, &mut rows.0, out);
             }
         }
         watch.all_finite()

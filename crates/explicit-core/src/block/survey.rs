@@ -2,8 +2,9 @@
 
 use powerhouse_model::{Geometry, Strain, Stress};
 
+use super::batches::Batch;
 use super::operations::Moduli;
-use super::transfer::Batch;
+
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES};
 
 /// What is known of one element.

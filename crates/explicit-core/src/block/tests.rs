@@ -339,6 +339,61 @@ fn lane_width_leaves_no_trace() {
     }
 }
 
+/// Where all elements are alike, or all straight, a block computes what it computes in a mesh where
+/// one element of another shape keeps it from noticing.
+#[test]
+fn equal_shapes_leave_no_trace() {
+    for kernel in SolidKernel::ALL {
+        let (low, high) = (Vec3::new(20.0, -3.0, 7.0), Vec3::new(20.3, -2.6, 7.9));
+        let generator = match kernel.kind() {
+            ElementKind::Hex8 => Mesh::box_of_hexes,
+            ElementKind::Wedge6 => Mesh::box_of_wedges,
+            _ => Mesh::box_of_tets,
+        };
+        let regular = generator(low, high, [3, 3, 3], "rock").unwrap();
+        let count = regular.node_count();
+        let moved = regular.clone().map_positions(|x| {
+            let corner = (x - high).norm() < 1e-9;
+            if corner { x + Vec3::repeat(0.05) } else { x }
+        });
+        let moved = moved.unwrap();
+        let of = |mesh: Mesh| {
+            let mut fixture = Fixture::of(mesh, kernel, Linear(rock()), BlockOptions::default());
+            let u = fixture.noise(6, 1e-3);
+            let rest = zeros(u.len());
+            let mut masses = fixture.masses();
+            let mut bounds: Vec<f64> = fixture
+                .block
+                .frequency_bounds()
+                .iter()
+                .map(|bound| bound.frequency)
+                .collect();
+            // Only the last cell has another shape.
+            let elements = fixture.mesh.element_count() as u32;
+            let touched: Vec<u32> = (elements - elements / 27..elements)
+                .flat_map(|element| fixture.mesh.nodes_of(element).to_vec())
+                .collect();
+            let mut forces = fixture.forces(&u, &rest);
+            for node in touched {
+                let place = fixture.numbering.engine_of[node as usize] as usize;
+                forces[place] = Vec3::zeros();
+                masses[place] = 0.0;
+            }
+            bounds.truncate(bounds.len() - bounds.len() / 27);
+            (forces, masses, bounds)
+        };
+        let (regular, moved) = (of(regular), of(moved));
+        let scale = largest(&regular.0);
+        for place in 0..count {
+            assert!((regular.0[place] - moved.0[place]).norm() < 1e-12 * scale);
+            assert!((regular.1[place] - moved.1[place]).abs() < 1e-10 * 2750.0 * 1e-3);
+        }
+        for (a, b) in regular.2.iter().zip(&moved.2) {
+            assert!((a - b).abs() < 1e-8 * a, "{} {a} {b}", kernel.name());
+        }
+    }
+}
+
 /// The bound of an element is its highest frequency, from above, to 1e-6.
 #[test]
 fn frequency_bounds_are_eigenvalues() {

@@ -2,72 +2,9 @@
 
 use powerhouse_model::{Quad, Scalar, Vec3};
 
-use crate::lanes::{Arrangement, BatchLane, BatchScalar, MOST_LANES, Rows};
-
-/// The elements of a block, batch by batch.
-#[derive(Clone, Copy)]
-pub(super) struct Batches<'a, S, const N: usize> {
-    /// How many elements; the rest of the last batch repeats the last element.
-    pub(super) elements: usize,
-    /// Places of their nodes in the block, whole batches.
-    pub(super) places: &'a [[u32; N]],
-    /// Which elements take part; all if `None`.
-    pub(super) active: Option<&'a [bool]>,
-    /// Geometry numbers of whole batches.
-    pub(super) geometry: &'a [S],
-    /// Geometry numbers of one element.
-    pub(super) geometry_len: usize,
-    /// Where elements sit.
-    pub(super) arrangement: Arrangement,
-}
-
-/// One batch.
-#[derive(Clone, Copy)]
-pub(super) struct Batch<'a, S, const N: usize> {
-    /// Number of its first element in the block.
-    pub(super) first: usize,
-    /// How many elements it holds.
-    pub(super) count: usize,
-    /// Places of the nodes.
-    pub(super) places: &'a [[u32; N]],
-    /// Which elements take part.
-    pub(super) active: Option<&'a [bool]>,
-    /// Geometry numbers.
-    pub(super) geometry: &'a [S],
-    /// Where elements sit.
-    pub(super) arrangement: Arrangement,
-}
-
-impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
-    /// How many batches of a width.
-    #[inline(always)]
-    pub(super) fn count(&self, width: usize) -> usize {
-        self.elements.div_ceil(width)
-    }
-    /// One batch of a width.
-    #[inline(always)]
-    pub(super) fn batch(&self, index: usize, width: usize) -> Batch<'a, S, N> {
-        let first = index * width;
-        let count = width.min(self.elements - first);
-        let numbers = self.geometry_len * width;
-        Batch {
-            first,
-            count,
-            places: &self.places[first..first + width],
-            active: self.active.map(|active| &active[first..first + count]),
-            geometry: &self.geometry[index * numbers..(index + 1) * numbers],
-            arrangement: self.arrangement,
-        }
-    }
-}
-
-impl<S, const N: usize> Batch<'_, S, N> {
-    /// Whether element `j` of the batch exists and takes part.
-    #[inline(always)]
-    pub(super) fn has(&self, j: usize) -> bool {
-        j < self.count && self.active.is_none_or(|active| active[j])
-    }
-}
+use super::batches::Batch;
+use super::memory::NodesOf;
+use crate::lanes::{BatchLane, BatchScalar, MOST_LANES, Rows};
 
 /// Nodal values of a batch, one element per lane.
 ///
@@ -76,22 +13,26 @@ impl<S, const N: usize> Batch<'_, S, N> {
 #[inline(always)]
 pub(super) fn gather<A, L, const N: usize>(
     token: L::Token,
-    nodes: &[Quad<A>],
-    elements: &[[u32; N]],
-) -> [[L; 3]; N]
-where
+    nodes: NodesOf<A, N>,
+    values: &mut [[L; 3]; N],
+) where
     A: BatchScalar,
     L: BatchLane<Scalar: BatchScalar>,
 {
-    let mut values = [[L::splat(token, 0.0); 3]; N];
+    let rounded = size_of::<A>() > size_of::<L::Scalar>();
+    let mut first: Rows<A> = [[A::default(); 4]; MOST_LANES];
+    if rounded {
+        for j in 0..L::WIDTH {
+            first[j] = nodes.value(j, 0);
+        }
+    }
     for a in 0..N {
         let mut rows: Rows<L::Scalar> = [[L::Scalar::default(); 4]; MOST_LANES];
         for j in 0..L::WIDTH {
-            let mut value = nodes[elements[j][a] as usize].values;
-            if size_of::<A>() > size_of::<L::Scalar>() {
-                let first = nodes[elements[j][0] as usize].values;
+            let mut value = nodes.value(j, a);
+            if rounded {
                 for c in 0..4 {
-                    value[c] = value[c] - first[c];
+                    value[c] = value[c] - first[j][c];
                 }
             }
             for c in 0..4 {
@@ -100,7 +41,6 @@ where
         }
         values[a] = L::components(token, &rows);
     }
-    values
 }
 
 /// Adds forces to the nodes of a batch, element after element, whatever the width.
@@ -178,19 +118,36 @@ impl Locals {
     }
 }
 
-/// Takes over the values of a block's nodes.
-pub(super) fn collect<A: BatchScalar>(
-    local: &mut Vec<Quad<A>>,
-    places: &[u32],
-    value: impl Fn(usize, usize) -> Quad<A>,
+/// Copies the values of a block's nodes; the run of neighbours that it begins with, as a whole.
+pub(super) fn copy_nodes<A: BatchScalar>(
+    nodes: &[Quad<A>],
+    of: &BlockNodes,
+    to: &mut Vec<Quad<A>>,
 ) {
-    local.clear();
-    local.extend(
-        places
-            .iter()
-            .enumerate()
-            .map(|(place, &node)| value(place, node as usize)),
-    );
+    to.clear();
+    to.extend_from_slice(&nodes[of.run.clone()]);
+    let rest = &of.numbers[of.run.len()..];
+    to.extend(rest.iter().map(|&node| nodes[node as usize]));
+}
+
+/// Engine numbers of the nodes of a block, by place.
+#[derive(Debug)]
+pub(super) struct BlockNodes {
+    /// All of them.
+    pub(super) numbers: Vec<u32>,
+    /// The longest run of successive numbers that they begin with.
+    run: core::ops::Range<usize>,
+}
+
+impl BlockNodes {
+    pub(super) fn new(numbers: Vec<u32>) -> Self {
+        let first = numbers.first().map_or(0, |&number| number as usize);
+        let run = (first..)
+            .zip(&numbers)
+            .take_while(|&(n, &number)| n == number as usize);
+        let run = first..first + run.count();
+        Self { numbers, run }
+    }
 }
 
 /// From one scalar to the other, rounded.

@@ -4,14 +4,19 @@ use powerhouse_model::{
     ElementKernel, ElementKind, Geometry, Lane, ParameterError, Strain, Stress, Vec3,
 };
 
-use super::hexahedron::{self, MODE_NUMBERS};
+use super::hexahedron;
 use super::vectors::{
-    Matrix, cross, difference, dot, outer_sum, product, scaled, scaled_sum, strain_of,
-    stress_matrix, sum,
+    Matrix, cross, cross_sum, dot, dot_sum, outer_sum, scaled, scaled_sum, strain_of, stress_matrix,
 };
 
-const INVERSE_VOLUME: usize = MODE_NUMBERS;
-const RESISTANCE: usize = MODE_NUMBERS + 1;
+/// Where the numbers of an element begin: `X_k / sqrt V` of the linear modes, `8 X_a` of the others.
+const LINEAR: usize = 0;
+const BENT: usize = 9;
+const VOLUME: usize = 21;
+/// `1 / (8 sqrt V)`, which turns `8 X_a` into `X_a / sqrt V`.
+const SHRINK: usize = 22;
+/// `c / (lambda + 2 G)`.
+const RESISTANCE: usize = 23;
 
 /// The uniform-strain brick: mean gradient over the volume, stiffness against hourglass modes.
 ///
@@ -62,67 +67,68 @@ impl Default for Hex8OnePoint {
     }
 }
 
-/// `d(V/8) / dX_k` for `k = 1..6`.
+/// `d(V/8) / dX_k` for `k = 1..6`, where the last three `X_k` are given as multiples by
+/// `1 / shrink`.
 #[inline(always)]
-fn volume_gradients<L: Lane>(x: &[[L; 3]; 7]) -> [[L; 3]; 6] {
-    let third = x[0][0].constant(1.0 / 3.0);
-    let [x1, x2, x3, x4, x5, x6, _] = *x;
+fn volume_gradients<L: Lane>([x1, x2, x3]: [[L; 3]; 3], y: &[[L; 3]; 4], shrink: L) -> [[L; 3]; 6] {
+    let [y4, y5, y6, _] = *y;
+    let third = shrink * shrink.constant(1.0 / 3.0);
+    let squared = third * shrink;
     [
-        scaled_sum(cross(x6, x5), third, cross(x2, x3)),
-        scaled_sum(cross(x4, x6), third, cross(x3, x1)),
-        scaled_sum(cross(x5, x4), third, cross(x1, x2)),
-        scaled(sum(cross(x3, x5), cross(x6, x2)), third),
-        scaled(sum(cross(x1, x6), cross(x4, x3)), third),
-        scaled(sum(cross(x5, x1), cross(x2, x4)), third),
+        scaled_sum(cross(y6, y5), squared, cross(x2, x3)),
+        scaled_sum(cross(y4, y6), squared, cross(x3, x1)),
+        scaled_sum(cross(y5, y4), squared, cross(x1, x2)),
+        scaled(cross_sum([x3, y6], [y5, x2]), third),
+        scaled(cross_sum([x1, y4], [y6, x3]), third),
+        scaled(cross_sum([y5, x2], [x1, y4]), third),
     ]
 }
 
-/// The position modes of a batch.
-#[inline(always)]
-fn position_modes<L: Lane>(geometry: &Geometry<L>) -> [[L; 3]; 7] {
-    [
-        geometry.vector(0),
-        geometry.vector(3),
-        geometry.vector(6),
-        geometry.vector(9),
-        geometry.vector(12),
-        geometry.vector(15),
-        geometry.vector(18),
-    ]
+/// What the displacement is measured with: `g_k / V` and `8 X_a`.
+struct Shape<L> {
+    gradients: [[L; 3]; 6],
+    bent: [[L; 3]; 4],
 }
 
-/// Mean displacement gradient.
-#[inline(always)]
-fn mean_gradient<L: Lane>(
-    geometry: &Geometry<L>,
-    g: &[[L; 3]; 6],
-    modes: &[[L; 3]; 8],
-) -> Matrix<L> {
-    let inverse = geometry.get(INVERSE_VOLUME);
-    let s = [modes[1], modes[2], modes[3], modes[4], modes[5], modes[6]];
-    let rows = outer_sum(s, *g);
-    [
-        scaled(rows[0], inverse),
-        scaled(rows[1], inverse),
-        scaled(rows[2], inverse),
-    ]
-}
-
-/// The hourglass strains `q_a`, and the positions `8 X_a` that they are measured with.
-#[inline(always)]
-fn hourglass_strains<L: Lane>(
-    x: &[[L; 3]; 7],
-    gradient: &Matrix<L>,
-    modes: &[[L; 3]; 8],
-) -> ([[L; 3]; 4], [[L; 3]; 4]) {
-    let eight = x[0][0].constant(8.0);
-    let mut strains = [modes[4], modes[5], modes[6], modes[7]];
-    let mut positions = [x[3], x[4], x[5], x[6]];
-    for a in 0..4 {
-        positions[a] = scaled(positions[a], eight);
-        strains[a] = difference(strains[a], product(gradient, positions[a]));
+impl<L: Lane> Shape<L> {
+    #[inline(always)]
+    fn new(geometry: &Geometry<L>) -> Self {
+        let linear = [
+            geometry.vector(LINEAR),
+            geometry.vector(LINEAR + 3),
+            geometry.vector(LINEAR + 6),
+        ];
+        let bent = [
+            geometry.vector(BENT),
+            geometry.vector(BENT + 3),
+            geometry.vector(BENT + 6),
+            geometry.vector(BENT + 9),
+        ];
+        Self {
+            gradients: volume_gradients(linear, &bent, geometry.get(SHRINK)),
+            bent,
+        }
     }
-    (strains, positions)
+    /// Mean displacement gradient.
+    #[inline(always)]
+    fn mean_gradient(&self, modes: &[[L; 3]; 8]) -> Matrix<L> {
+        let [_, s1, s2, s3, s4, s5, s6, _] = *modes;
+        outer_sum([s1, s2, s3, s4, s5, s6], self.gradients)
+    }
+    /// The hourglass strains `q_a`.
+    #[inline(always)]
+    fn hourglass_strains(&self, gradient: &Matrix<L>, modes: &[[L; 3]; 8]) -> [[L; 3]; 4] {
+        let mut strains = [modes[4], modes[5], modes[6], modes[7]];
+        for i in 0..3 {
+            let [x, y, z] = gradient[i];
+            for a in 0..4 {
+                let bent = self.bent[a];
+                let less = (-z).mul_add(bent[2], strains[a][i]);
+                strains[a][i] = (-x).mul_add(bent[0], (-y).mul_add(bent[1], less));
+            }
+        }
+        strains
+    }
 }
 
 impl ElementKernel<8, 1> for Hex8OnePoint {
@@ -134,22 +140,28 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
     }
     #[inline(always)]
     fn geometry_len(&self) -> usize {
-        MODE_NUMBERS + 2
+        RESISTANCE + 1
     }
     fn geometry(&self, corners: &[Vec3; 8], out: &mut [f64]) {
         let x = hexahedron::position_modes(corners).map(|mode| scaled(mode, 0.125));
-        out[..MODE_NUMBERS].copy_from_slice(x.as_flattened());
-        let g = volume_gradients(&x);
+        let bent = [x[3], x[4], x[5], x[6]];
+        let g = volume_gradients([x[0], x[1], x[2]], &bent, 1.0);
         // V/8 is of third degree in the modes, hence sum_k X_k . d(V/8)/dX_k = 3 V/8.
         let thrice: f64 = (0..6).map(|k| dot(x[k], g[k])).sum();
         let volume = 8.0 / 3.0 * thrice;
         let squares: f64 = g.iter().map(|g| dot(*g, *g)).sum();
-        out[INVERSE_VOLUME] = 1.0 / volume;
+        let root = volume.sqrt();
+        for k in 0..7 {
+            let scale = if k < 3 { 1.0 / root } else { 8.0 };
+            out[3 * k..3 * k + 3].copy_from_slice(&scaled(x[k], scale));
+        }
+        out[VOLUME] = volume;
+        out[SHRINK] = 0.125 / root;
         out[RESISTANCE] = 0.5 * self.hourglass * squares / volume;
     }
     #[inline(always)]
     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 1] {
-        [geometry.constant(1.0) / geometry.get(INVERSE_VOLUME)]
+        [geometry.get(VOLUME)]
     }
     fn node_shares(&self, corners: &[Vec3; 8]) -> [f64; 8] {
         hexahedron::node_shares(corners)
@@ -164,8 +176,7 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
     }
     #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 1] {
-        let g = volume_gradients(&position_modes(&geometry));
-        [strain_of(&mean_gradient(&geometry, &g, modes))]
+        [strain_of(&Shape::new(&geometry).mean_gradient(modes))]
     }
     #[inline(always)]
     fn forces<L: Lane>(
@@ -175,35 +186,30 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
         modulus: L,
         modes: &[[L; 3]; 8],
     ) -> [[L; 3]; 8] {
-        let x = position_modes(&geometry);
-        let g = volume_gradients(&x);
-        let gradient = mean_gradient(&geometry, &g, modes);
-        let (strains, positions) = hourglass_strains(&x, &gradient, modes);
+        let shape = Shape::new(&geometry);
+        let gradient = shape.mean_gradient(modes);
+        let mut resisted = shape.hourglass_strains(&gradient, modes);
         let resistance = modulus * geometry.get(RESISTANCE);
-        let mut resisted = strains;
-        for a in 0..4 {
-            resisted[a] = scaled(strains[a], resistance);
-        }
-
-        // The mean gradient carries the stress, less what the hourglass forces take from it:
-        // P = sigma - (1/V) sum_a Q_a (x) 8 X_a.
-        let mut taken = outer_sum(resisted, positions);
-        let minus = -geometry.get(INVERSE_VOLUME);
+        let volume = geometry.get(VOLUME);
         let stress = stress_matrix(&stresses[0]);
+        let g = &shape.gradients;
+        let mut forces = [[geometry.constant(0.0); 3]; 8];
         for i in 0..3 {
-            taken[i] = scaled_sum(taken[i], minus, stress[i]);
+            // The mean gradient carries the stress, less what the hourglass forces take from it:
+            // P = V sigma - sum_a Q_a (x) 8 X_a.
+            let mut carried = scaled(stress[i], volume);
+            for a in 0..4 {
+                resisted[a][i] = resisted[a][i] * resistance;
+                carried = scaled_sum(shape.bent[a], -resisted[a][i], carried);
+            }
+            let q = [resisted[0][i], resisted[1][i], resisted[2][i]];
+            for k in 0..3 {
+                forces[1 + k][i] = dot(carried, g[k]);
+                forces[4 + k][i] = dot_sum(carried, g[3 + k], q[k]);
+            }
+            forces[7][i] = resisted[3][i];
         }
-        let zero = geometry.constant(0.0);
-        [
-            [zero; 3],
-            product(&taken, g[0]),
-            product(&taken, g[1]),
-            product(&taken, g[2]),
-            sum(product(&taken, g[3]), resisted[0]),
-            sum(product(&taken, g[4]), resisted[1]),
-            sum(product(&taken, g[5]), resisted[2]),
-            resisted[3],
-        ]
+        forces
     }
     #[inline(always)]
     fn hourglass_energy<L: Lane>(
@@ -212,9 +218,8 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
         modulus: L,
         modes: &[[L; 3]; 8],
     ) -> Option<L> {
-        let x = position_modes(&geometry);
-        let gradient = mean_gradient(&geometry, &volume_gradients(&x), modes);
-        let (q, _) = hourglass_strains(&x, &gradient, modes);
+        let shape = Shape::new(&geometry);
+        let q = shape.hourglass_strains(&shape.mean_gradient(modes), modes);
         let squares = (dot(q[0], q[0]) + dot(q[1], q[1])) + (dot(q[2], q[2]) + dot(q[3], q[3]));
         let half = geometry.constant(0.5);
         Some(half * modulus * geometry.get(RESISTANCE) * squares)

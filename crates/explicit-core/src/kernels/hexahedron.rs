@@ -2,7 +2,7 @@
 
 use powerhouse_model::{Lane, Vec3};
 
-use super::vectors::{cofactors, difference, sum};
+use super::vectors::cofactors;
 
 /// Signs of the natural coordinates at the corners, in Gmsh's order.
 pub(super) const CORNERS: [[f64; 3]; 8] = [
@@ -25,66 +25,58 @@ pub(super) const MODE_NUMBERS: usize = 21;
 /// `(S0 + r S1 + s S2 + t S3 + st S4 + tr S5 + rs S6 + rst S7) / 8`.
 #[inline(always)]
 pub(super) fn modes<L: Lane>(v: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-    // Edges along r, each as sum and difference; then faces along s; then along t.
-    let sums = [
-        sum(v[0], v[1]),
-        sum(v[3], v[2]),
-        sum(v[4], v[5]),
-        sum(v[7], v[6]),
-    ];
-    let differences = [
-        difference(v[1], v[0]),
-        difference(v[2], v[3]),
-        difference(v[5], v[4]),
-        difference(v[6], v[7]),
-    ];
-    let (one, s) = ends(&sums);
-    let (r, rs) = ends(&differences);
-    [
-        sum(one[0], one[1]),
-        sum(r[0], r[1]),
-        sum(s[0], s[1]),
-        difference(one[1], one[0]),
-        difference(s[1], s[0]),
-        difference(r[1], r[0]),
-        sum(rs[0], rs[1]),
-        difference(rs[1], rs[0]),
-    ]
-}
-
-/// Sums and differences along s, on the bottom and on the top.
-#[inline(always)]
-fn ends<L: Lane>(v: &[[L; 3]; 4]) -> ([[L; 3]; 2], [[L; 3]; 2]) {
-    (
-        [sum(v[0], v[1]), sum(v[2], v[3])],
-        [difference(v[1], v[0]), difference(v[3], v[2])],
-    )
+    let mut modes = *v;
+    for i in 0..3 {
+        // Edges along r, each as sum and difference; then faces along s; then along t.
+        let sums = [
+            v[0][i] + v[1][i],
+            v[3][i] + v[2][i],
+            v[4][i] + v[5][i],
+            v[7][i] + v[6][i],
+        ];
+        let r = [
+            v[1][i] - v[0][i],
+            v[2][i] - v[3][i],
+            v[5][i] - v[4][i],
+            v[6][i] - v[7][i],
+        ];
+        let (one, s) = (
+            [sums[0] + sums[1], sums[2] + sums[3]],
+            [sums[1] - sums[0], sums[3] - sums[2]],
+        );
+        let (r, rs) = ([r[0] + r[1], r[2] + r[3]], [r[1] - r[0], r[3] - r[2]]);
+        modes[0][i] = one[0] + one[1];
+        modes[1][i] = r[0] + r[1];
+        modes[2][i] = s[0] + s[1];
+        modes[3][i] = one[1] - one[0];
+        modes[4][i] = s[1] - s[0];
+        modes[5][i] = r[1] - r[0];
+        modes[6][i] = rs[0] + rs[1];
+        modes[7][i] = rs[1] - rs[0];
+    }
+    modes
 }
 
 /// The transpose of [`modes`], for modal forces without a constant part.
 #[inline(always)]
 pub(super) fn nodal_forces<L: Lane>(f: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-    let minus = [-f[3][0], -f[3][1], -f[3][2]];
-    let (one, r) = ([minus, f[3]], [difference(f[1], f[5]), sum(f[1], f[5])]);
-    let (s, rs) = (
-        [difference(f[2], f[4]), sum(f[2], f[4])],
-        [difference(f[6], f[7]), sum(f[6], f[7])],
-    );
-    let [v0, v1, v2, v3] = face(one[0], r[0], s[0], rs[0]);
-    let [v4, v5, v6, v7] = face(one[1], r[1], s[1], rs[1]);
-    [v0, v1, v2, v3, v4, v5, v6, v7]
-}
-
-#[inline(always)]
-fn face<L: Lane>(one: [L; 3], r: [L; 3], s: [L; 3], rs: [L; 3]) -> [[L; 3]; 4] {
-    let (low, high) = (difference(one, s), sum(one, s));
-    let (low_r, high_r) = (difference(r, rs), sum(r, rs));
-    [
-        difference(low, low_r),
-        sum(low, low_r),
-        sum(high, high_r),
-        difference(high, high_r),
-    ]
+    let mut forces = *f;
+    for i in 0..3 {
+        let (r, s) = (
+            [f[1][i] - f[5][i], f[1][i] + f[5][i]],
+            [f[2][i] - f[4][i], f[2][i] + f[4][i]],
+        );
+        let (t, rs) = ([-f[3][i], f[3][i]], [f[6][i] - f[7][i], f[6][i] + f[7][i]]);
+        for face in 0..2 {
+            let (low, high) = (t[face] - s[face], t[face] + s[face]);
+            let (low_r, high_r) = (r[face] - rs[face], r[face] + rs[face]);
+            forces[4 * face][i] = low - low_r;
+            forces[4 * face + 1][i] = low + low_r;
+            forces[4 * face + 2][i] = high + high_r;
+            forces[4 * face + 3][i] = high - high_r;
+        }
+    }
+    forces
 }
 
 /// The modes of the corner positions, the constant one left out, side by side.

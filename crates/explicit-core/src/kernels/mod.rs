@@ -3,6 +3,7 @@
 mod hex8_integrated;
 mod hex8_one_point;
 mod hexahedron;
+mod parallelepiped;
 #[cfg(test)]
 mod tests;
 mod tet4;
@@ -101,7 +102,9 @@ impl SolidKernel {
         options: BlockOptions,
     ) -> Box<dyn BlockFactory> {
         match self {
-            Self::Hex8OnePoint(kernel) => solid(label, kernel, law, options),
+            Self::Hex8OnePoint(kernel) => {
+                parallelepiped::one_point_bricks(label, kernel, law, options)
+            }
             Self::Hex8Full => solid(label, Hex8Full, law, options),
             Self::Hex8BBar => solid(label, Hex8BBar, law, options),
             Self::Tet4 => solid(label, Tet4, law, options),

@@ -327,6 +327,32 @@ fn the_uniform_gradient_is_the_exact_mean() {
     }
 }
 
+/// On a parallelepiped the shorter form of the one-point brick is the general one.
+#[test]
+fn straight_bricks_are_bricks() {
+    let skew = Mat3::new(1.0, 0.3, -0.2, 0.1, 0.8, 0.4, -0.3, 0.2, 1.3);
+    let corners = hexahedron::CORNERS.map(|x| skew * Vec3::from(x) + Vec3::new(3.0, 5.0, -2.0));
+    assert!(parallelepiped::is_parallelepiped(&corners));
+    assert!(!parallelepiped::is_parallelepiped(&brick()));
+    let general = Element::new::<1>(Hex8OnePoint::DEFAULT, corners);
+    let short = Element::new::<1>(
+        parallelepiped::Parallelepiped(Hex8OnePoint::DEFAULT),
+        corners,
+    );
+    let difference = general.stiffness::<1>() - short.stiffness::<1>();
+    assert!(difference.norm() < 1e-14 * general.stiffness::<1>().norm());
+    let field = |x: &Vec3| Vec3::new(x.y * x.z, x.z * x.x, x.x * x.y * x.z);
+    let (a, b) = (general.nodal(field), short.nodal(field));
+    let (a, b) = (
+        general.hourglass_energy::<1>(&a),
+        short.hourglass_energy::<1>(&b),
+    );
+    assert!((a - b).abs() < 1e-13 * a);
+    assert!((general.volume::<1>() - short.volume::<1>()).abs() < 1e-14 * short.volume::<1>());
+    let shares = general.kernel.node_shares(&corners);
+    assert!(shares.iter().all(|share| (share - 0.125).abs() < 1e-15));
+}
+
 /// The hourglass stiffness of a cube is the stated one: a bending mode of amplitude a holds
 /// `3 hourglass (lambda + 2 G) h a^2`.
 #[test]

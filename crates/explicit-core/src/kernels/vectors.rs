@@ -46,6 +46,24 @@ pub(super) fn cross<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     ]
 }
 
+/// `a . b + c`.
+#[inline(always)]
+pub(super) fn dot_sum<L: Lane>(a: [L; 3], b: [L; 3], c: L) -> L {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul_add(b[2], c)))
+}
+
+/// `a_0 x b_0 + a_1 x b_1`.
+#[inline(always)]
+pub(super) fn cross_sum<L: Lane>(a: [[L; 3]; 2], b: [[L; 3]; 2]) -> [L; 3] {
+    let mut sum = cross(a[0], b[0]);
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let less = (-a[1][k]).mul_add(b[1][j], sum[i]);
+        sum[i] = a[1][j].mul_add(b[1][k], less);
+    }
+    sum
+}
+
 /// A 3 x 3 matrix by rows.
 pub(super) type Matrix<L> = [[L; 3]; 3];
 
@@ -62,13 +80,11 @@ pub(super) fn product<L: Lane>(matrix: &Matrix<L>, vector: [L; 3]) -> [L; 3] {
 /// `sum_k a_k (x) b_k`: row `i`, column `j` holds `sum_k a_k[i] b_k[j]`.
 #[inline(always)]
 pub(super) fn outer_sum<L: Lane, const K: usize>(a: [[L; 3]; K], b: [[L; 3]; K]) -> Matrix<L> {
-    let mut matrix = [
-        scaled(b[0], a[0][0]),
-        scaled(b[0], a[0][1]),
-        scaled(b[0], a[0][2]),
-    ];
-    for k in 1..K {
-        for i in 0..3 {
+    // Row after row, so that a row's factors are out of the registers when the next one begins.
+    let mut matrix = [b[0]; 3];
+    for i in 0..3 {
+        matrix[i] = scaled(b[0], a[0][i]);
+        for k in 1..K {
             matrix[i] = scaled_sum(b[k], a[k][i], matrix[i]);
         }
     }
