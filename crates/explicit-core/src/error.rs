@@ -47,6 +47,40 @@ pub enum EngineError {
         /// What the kernel takes.
         expected: &'static str,
     },
+    /// A point of an element that stands for no volume.
+    #[error(
+        "element {element} of set '{set}' has the volume {volume:.3e} m3 at an integration point"
+    )]
+    NoVolume {
+        /// The element's number.
+        element: u64,
+        /// The set.
+        set: String,
+        /// The point's volume (m3).
+        volume: f64,
+    },
+    /// An element that leaves a node without mass.
+    #[error("element {element} of set '{set}' lumps the mass {mass:.3e} kg at its node {node}")]
+    NoLumpedMass {
+        /// The element's number.
+        element: u64,
+        /// The set.
+        set: String,
+        /// The node's number.
+        node: u64,
+        /// The mass (kg).
+        mass: f64,
+    },
+    /// A part of a set that does not list a node of its element.
+    #[error("element {element} of set '{set}' uses node {node}, which its part does not list")]
+    UnlistedNode {
+        /// The element's number.
+        element: u64,
+        /// The set.
+        set: String,
+        /// The node's number.
+        node: u64,
+    },
     /// Sets that store their nodes differently.
     #[error("set '{first}' keeps its nodes in double precision, '{second}' in single")]
     MixedNodes {

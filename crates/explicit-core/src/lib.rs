@@ -103,7 +103,7 @@ mod support;
 mod view;
 
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
-pub use block::{BlockError, solid};
+pub use block::solid;
 pub use error::EngineError;
 pub use integrator::{Leapfrog, OneSided};
 pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};

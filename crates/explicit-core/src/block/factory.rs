@@ -9,7 +9,6 @@ use powerhouse_model::{
 };
 
 use super::account::Account;
-use super::error::BlockError;
 use super::frequency::HighestSquares;
 use super::memory::Places;
 use super::numbers::AlignedNumbers;
@@ -17,7 +16,7 @@ use super::operations::Moduli;
 use super::transfer::{BlockNodes, Locals, NodeScalar};
 use super::{Block, History};
 use crate::lanes::Lanes;
-use crate::{BlockFactory, BlockOptions, BlockPart, Precision};
+use crate::{BlockFactory, BlockOptions, BlockPart, EngineError, Precision};
 
 /// A factory of solid blocks from any kernel and any law.
 ///
@@ -128,7 +127,7 @@ where
     M: ConstitutiveLaw,
 {
     fn block<S: NodeScalar>(&self, part: &BlockPart) -> Result<Block<K, M, S, N, P>, ModelError> {
-        let refused = |error: BlockError| ModelError::refused(&*self.label, error);
+        let refused = |error: EngineError| ModelError::refused(self.kernel.name(), error);
         let lanes = Lanes::new(self.options.lanes);
         let arrangement = lanes.arrangement::<S>();
         let medium = self.law.medium();
@@ -156,7 +155,8 @@ where
                 size = volume.cbrt();
                 let shares = self.kernel.node_shares(&corners);
                 let masses = shares.map(|share| share * volume * medium.density);
-                positive(part, mesh_element, &masses).map_err(refused)?;
+                self.check_masses(part, mesh_element, &masses)
+                    .map_err(refused)?;
                 shapes.push((corners, masses));
             }
             if element < stored {
@@ -204,7 +204,7 @@ where
     }
 
     /// Places of the nodes of each element, whole batches: the last element is repeated.
-    fn connect(&self, part: &BlockPart, width: usize) -> Result<Vec<[u32; N]>, BlockError> {
+    fn connect(&self, part: &BlockPart, width: usize) -> Result<Vec<[u32; N]>, EngineError> {
         let place_of: HashMap<u32, u32> = part.nodes.iter().copied().zip(0..).collect();
         let padded = part.elements.len().next_multiple_of(width);
         let mut places = Vec::with_capacity(padded);
@@ -212,10 +212,10 @@ where
             let tag = part.mesh.element_tags()[element as usize];
             let kind = part.mesh.kind(element);
             if kind != self.kernel.kind() {
-                return Err(BlockError::WrongKind {
+                return Err(EngineError::ElementKind {
                     element: tag,
+                    set: self.label.to_string(),
                     found: kind.name(),
-                    kernel: self.kernel.name(),
                     expected: self.kernel.kind().name(),
                 });
             }
@@ -225,8 +225,9 @@ where
                 let number = part.numbering.engine_of[nodes[a] as usize];
                 at[a] = *place_of
                     .get(&number)
-                    .ok_or_else(|| BlockError::MissingNode {
+                    .ok_or_else(|| EngineError::UnlistedNode {
                         element: tag,
+                        set: self.label.to_string(),
                         node: part.mesh.node_tags()[nodes[a] as usize],
                     })?;
             }
@@ -238,12 +239,31 @@ where
         Ok(places)
     }
 
+    /// Fails if a node gets no mass.
+    fn check_masses(
+        &self,
+        part: &BlockPart,
+        element: u32,
+        masses: &[f64; N],
+    ) -> Result<(), EngineError> {
+        match masses.iter().position(|&m| !(m > 0.0 && m.is_finite())) {
+            None => Ok(()),
+            Some(a) => Err(EngineError::NoLumpedMass {
+                element: part.mesh.element_tags()[element as usize],
+                set: self.label.to_string(),
+                node: part.mesh.node_tags()[part.mesh.nodes_of(element)[a] as usize],
+                mass: masses[a],
+            }),
+        }
+    }
+
     /// The element's volume, if every point has one.
-    fn volume(&self, part: &BlockPart, element: u32, geometry: &[f64]) -> Result<f64, BlockError> {
+    fn volume(&self, part: &BlockPart, element: u32, geometry: &[f64]) -> Result<f64, EngineError> {
         let volumes = self.kernel.volumes(Geometry::<f64>::new((), geometry));
         match volumes.iter().find(|&&v| !(v > 0.0 && v.is_finite())) {
             None => Ok(volumes.iter().sum()),
-            Some(&volume) => Err(BlockError::NoVolume {
+            Some(&volume) => Err(EngineError::NoVolume {
+                set: self.label.to_string(),
                 element: part.mesh.element_tags()[element as usize],
                 volume,
             }),
@@ -280,19 +300,4 @@ pub(crate) fn coordinate_rounding<const N: usize>(corners: &[Vec3; N]) -> f64 {
 fn corners_of<const N: usize>(part: &BlockPart, element: u32) -> [Vec3; N] {
     let nodes = part.mesh.nodes_of(element);
     core::array::from_fn(|a| part.mesh.positions()[nodes[a] as usize])
-}
-
-fn positive<const N: usize>(
-    part: &BlockPart,
-    element: u32,
-    masses: &[f64; N],
-) -> Result<(), BlockError> {
-    match masses.iter().position(|&m| !(m > 0.0 && m.is_finite())) {
-        None => Ok(()),
-        Some(a) => Err(BlockError::NoMass {
-            element: part.mesh.element_tags()[element as usize],
-            node: part.mesh.node_tags()[part.mesh.nodes_of(element)[a] as usize],
-            mass: masses[a],
-        }),
-    }
 }

@@ -2,7 +2,6 @@
 
 mod account;
 mod batches;
-mod error;
 mod factory;
 mod frequency;
 mod linearised;
@@ -31,7 +30,6 @@ use operations::{Elastic, LawState, Material, Moduli, Rates};
 use survey::Summary;
 use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
 
-pub use error::BlockError;
 pub use factory::solid;
 pub(crate) use factory::{Isotropic, coordinate_rounding};
 

@@ -1,0 +1,214 @@
+//! What blocks remember: history, activity, reference, initial stress, work.
+
+use super::*;
+
+/// The history is tried as often as wanted and becomes old only when committed.
+#[test]
+fn history_is_committed_apart() {
+    let kernel = SolidKernel::Hex8Full;
+    let mut fixture = Fixture::new(kernel, Softening(rock()), BlockOptions::default());
+    let (small, large) = (fixture.noise(1, 1e-4), fixture.noise(1, 1e-2));
+    let rest = zeros(small.len());
+    let before = fixture.forces(&small, &rest);
+    let tried = fixture.forces(&large, &rest);
+    assert_eq!(fixture.forces(&small, &rest), before);
+    assert_eq!(fixture.forces(&large, &rest), tried);
+    fixture.block.commit();
+    let after = fixture.forces(&small, &rest);
+    assert!(largest(&after) < 0.5 * largest(&before));
+
+    let saved = fixture.block.history();
+    assert_eq!((saved[0].points, saved[0].values.len()), (8, 27 * 8));
+    let mut other = Fixture::new(kernel, Softening(rock()), BlockOptions::default());
+    other.block.set_history(&saved);
+    assert_eq!(other.forces(&small, &rest), after);
+    assert_eq!(other.block.history(), saved);
+}
+
+/// Switched-off elements have neither force, mass, stress, energy nor bound, and keep their
+/// history.
+#[test]
+fn inactive_elements_are_not_there() {
+    let kernel = SolidKernel::Wedge6;
+    let mut fixture = Fixture::new(kernel, Softening(rock()), BlockOptions::default());
+    let u = fixture.noise(1, 1e-3);
+    let rest = zeros(u.len());
+    let all = fixture.forces(&u, &rest);
+    let count = fixture.block.elements().len();
+    let mut sum = vec![Vec3::zeros(); u.len()];
+    let mut mass = vec![0.0; u.len()];
+    for share in 0..2 {
+        let active: Vec<bool> = (0..count).map(|e| e % 2 == share).collect();
+        fixture.block.set_active(&active);
+        for (sum, force) in sum.iter_mut().zip(fixture.forces(&u, &rest)) {
+            *sum += force;
+        }
+        fixture.block.add_mass(&mut mass);
+        assert_eq!(fixture.block.frequency_bounds().len(), count / 2);
+        let stress = fixture.stress(&u);
+        assert!((0..count).all(|e| (stress[e] != Stress::default()) == active[e]));
+        fixture.block.commit();
+        let history = &fixture.block.history()[0].values;
+        let grown = |e: usize| history[6 * e..6 * e + 6].iter().all(|&h| h > 0.0);
+        assert!((0..count).all(|e| grown(e) == (e % 2 <= share)));
+        fixture.block.set_active(&vec![true; count]);
+        fixture.block.set_history(&[powerhouse_model::HistoryField {
+            name: "largest_strain".into(),
+            elements: fixture.block.elements().to_vec(),
+            points: 6,
+            values: (0..6 * count)
+                .map(|i| {
+                    if (i / 6) % 2 <= share {
+                        history[i]
+                    } else {
+                        0.0
+                    }
+                })
+                .collect(),
+        }]);
+    }
+    let scale = largest(&all);
+    for (sum, force) in sum.iter().zip(&all) {
+        assert!((sum - force).norm() < 1e-13 * scale);
+    }
+    assert!((mass.iter().sum::<f64>() - 2750.0 * 216.0).abs() < 1e-8);
+}
+
+/// What is cast in a deformed state is free of stress and hourglass force there, and answers to
+/// what comes after as if it had been cast undeformed.
+#[test]
+fn strain_is_measured_from_the_reference() {
+    for kernel in SolidKernel::ALL {
+        for precision in [Precision::F64, Precision::Mixed] {
+            let options = options(precision, LaneWidth::Native, 0.0);
+            let mut fixture = Fixture::new(kernel, Linear(rock()), options);
+            let (deformed, more) = (fixture.noise(1, 0.1), fixture.noise(2, 1e-3));
+            let rest = zeros(more.len());
+            let expected = fixture.forces(&more, &rest);
+            fixture
+                .block
+                .set_reference_displacement(NodalView::F64(&deformed));
+            assert_eq!(largest(&fixture.forces(&deformed, &rest)), 0.0);
+            let both: Vec<Quad<f64>> = deformed
+                .iter()
+                .zip(&more)
+                .map(|(a, b)| Quad::from_vector(&(a.to_vector() + b.to_vector())))
+                .collect();
+            let forces = fixture.forces(&both, &rest);
+            let tolerance = if precision == Precision::F64 {
+                1e-12
+            } else {
+                2e-6
+            };
+            for (force, expected_force) in forces.iter().zip(&expected) {
+                let error = (force - expected_force).norm() / largest(&expected);
+                assert!(error < tolerance, "{error}");
+            }
+        }
+    }
+}
+
+/// A law that is told an initial stress answers to it, and only the change is scattered.
+#[test]
+fn initial_stress_reaches_the_law() {
+    let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::DEFAULT);
+    let mut fixture = Fixture::new(kernel, Softening(rock()), BlockOptions::default());
+    let u = fixture.noise(1, 1e-4);
+    let rest = zeros(u.len());
+    let fresh = fixture.forces(&u, &rest);
+    fixture
+        .block
+        .set_initial_stress(&vec![Stress([-9e7, -9e7, -9e7, 0.0, 0.0, 0.0]); 27]);
+    assert!(largest(&fixture.forces(&u, &rest)) < 0.5 * largest(&fresh));
+    assert_eq!(largest(&fixture.forces(&rest, &rest)), 0.0);
+}
+
+/// Free motion keeps the sum of kinetic, elastic, hourglass, plastic and damping energy to
+/// round-off: each term comes from the elements.
+#[test]
+fn the_ledger_closes() {
+    fn residual<M: ConstitutiveLaw>(kernel: SolidKernel, law: M, stiffness: f64) -> f64 {
+        let damped = options(Precision::F64, LaneWidth::Native, stiffness);
+        let mut fixture = Fixture::new(kernel, law, damped);
+        let masses = fixture.masses();
+        let mut u = zeros(masses.len());
+        let mut v = fixture.noise(8, 0.5);
+        let step = 2e-5;
+        let mut totals = Vec::new();
+        let mut spent = 0.0;
+        for number in 0..200 {
+            let context =
+                BlockContext::new((number, 0.0, step), NodalView::F64(&u), NodalView::F64(&v))
+                    .with_ledger(true);
+            let forces = fixture.forces_at(&context).unwrap();
+            let mut kinetic = 0.0;
+            let mut next = v.clone();
+            for (n, force) in forces.iter().enumerate() {
+                let (before, mass) = (v[n].to_vector(), masses[n]);
+                let after = before - force * (step / mass);
+                kinetic += 0.5 * mass * before.dot(&after);
+                next[n] = Quad::from_vector(&after);
+            }
+            let energy = fixture.block.energy(&context);
+            totals.push(kinetic + energy.total());
+            spent = energy.plastic + energy.damping;
+            v = next;
+            for (u, v) in u.iter_mut().zip(&v) {
+                *u = Quad::from_vector(&(u.to_vector() + v.to_vector() * step));
+            }
+            fixture.block.commit();
+        }
+        let first = totals[0];
+        if stiffness > 0.0 || !fixture.block.history().is_empty() {
+            assert!(spent > 0.01 * first, "{spent} of {first}");
+        }
+        let worst = totals.iter().map(|total| (total - first).abs());
+        worst.fold(0.0, f64::max) / first
+    }
+    for kernel in SolidKernel::ALL {
+        for stiffness in [0.0, 2e-5] {
+            let linear = residual(kernel, Linear(rock()), stiffness);
+            assert!(linear < 1e-12, "{} {linear}", kernel.name());
+            let softening = residual(kernel, Softening(rock()), stiffness);
+            assert!(softening < 1e-12, "{} {softening}", kernel.name());
+        }
+    }
+}
+
+/// For a law without memory in a state of uniform damage the secant is the stress over strain, and
+/// the tangent the derivative of the forces.
+#[test]
+fn secant_and_tangent_follow_the_state() {
+    for kernel in SolidKernel::ALL {
+        let mut fixture = Fixture::new(kernel, Softening(rock()), BlockOptions::default());
+        let gradient = GRADIENT * 1e-3;
+        let u = fixture.field(|x| gradient * x);
+        let rest = zeros(u.len());
+        let forces = fixture.forces(&u, &rest);
+        let scale = largest(&forces);
+        let secant = fixture.apply(Operator::Secant, &u);
+        for (secant, force) in secant.iter().zip(&forces) {
+            assert!((secant - force).norm() < 1e-12 * scale);
+        }
+        let direction = fixture.noise(9, 1e-3);
+        let tangent = fixture.apply(Operator::Tangent, &direction);
+        let h = 1e-4;
+        let mut at = |offset: f64| {
+            let moved: Vec<Quad<f64>> = u
+                .iter()
+                .zip(&direction)
+                .map(|(u, d)| Quad::from_vector(&(u.to_vector() + d.to_vector() * offset)))
+                .collect();
+            fixture.forces(&moved, &rest)
+        };
+        let (plus, minus) = (at(h), at(-h));
+        for ((tangent, plus), minus) in tangent.iter().zip(&plus).zip(&minus) {
+            let quotient = (plus - minus) / (2.0 * h);
+            assert!(
+                (tangent - quotient).norm() < 1e-6 * scale,
+                "{}",
+                kernel.name()
+            );
+        }
+    }
+}
