@@ -87,7 +87,7 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
     Ok(column.values.clone())
 }
 
-fn main() -> Outcome<ExitCode> {
+fn figures() -> Outcome<Figures> {
     // Twice the P wave's way to the faces of this box is longer than the run.
     let large = (DURATION * media::ROCK.p_speed() / EDGE).ceil() as usize;
     let open = surface_motion(large + large % 2, Faces::Held)?;
@@ -130,5 +130,18 @@ fn main() -> Outcome<ExitCode> {
             None => figures.report(&name, largest / peak, remark),
         }
     }
-    Ok(figures.verdict())
+    Ok(figures)
+}
+
+fn main() -> Outcome<ExitCode> {
+    Ok(figures()?.verdict())
+}
+
+#[cfg(test)]
+mod tests {
+    /// Every figure meets its limit.
+    #[test]
+    fn figures_meet_their_limits() {
+        assert_eq!(super::figures().unwrap().missed(), 0);
+    }
 }

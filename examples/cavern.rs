@@ -94,7 +94,7 @@ fn crown(results: &Results) -> Outcome<&[f64]> {
     Ok(&column.values)
 }
 
-fn main() -> Outcome<ExitCode> {
+fn figures() -> Outcome<Figures> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data");
     let scene = composed(&data)?.duration(DURATION);
     let mesh = scene.mesh().clone();
@@ -116,5 +116,18 @@ fn main() -> Outcome<ExitCode> {
         (unequal + missing) as f64,
         0.0,
     );
-    Ok(figures.verdict())
+    Ok(figures)
+}
+
+fn main() -> Outcome<ExitCode> {
+    Ok(figures()?.verdict())
+}
+
+#[cfg(test)]
+mod tests {
+    /// Every figure meets its limit.
+    #[test]
+    fn figures_meet_their_limits() {
+        assert_eq!(super::figures().unwrap().missed(), 0);
+    }
 }

@@ -28,6 +28,12 @@ impl Figures {
         );
     }
 
+    /// How many figures missed their limit.
+    #[must_use]
+    pub fn missed(&self) -> usize {
+        self.missed
+    }
+
     /// Success if every limit was met.
     #[must_use]
     pub fn verdict(self) -> ExitCode {

@@ -128,7 +128,7 @@ fn surface_motion(
     Ok(columns.flat_map(|column| column.values).collect())
 }
 
-fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
+fn figures() -> Result<Figures, Box<dyn std::error::Error>> {
     let own = surface_motion(Dashpots)?;
     let built_in = surface_motion(Viscous::default())?;
     let peak = built_in.iter().fold(0.0_f64, |peak, u| peak.max(u.abs()));
@@ -137,5 +137,18 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     println!("peak of the surface motion: {peak:.3e} m");
     let mut figures = Figures::default();
     figures.at_most("own_boundary.difference", largest / peak, 1e-12);
-    Ok(figures.verdict())
+    Ok(figures)
+}
+
+fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
+    Ok(figures()?.verdict())
+}
+
+#[cfg(test)]
+mod tests {
+    /// Every figure meets its limit.
+    #[test]
+    fn figures_meet_their_limits() {
+        assert_eq!(super::figures().unwrap().missed(), 0);
+    }
 }

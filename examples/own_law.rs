@@ -99,7 +99,7 @@ fn difference(first: &[f64], second: &[f64]) -> f64 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak
 }
 
-fn main() -> Outcome<ExitCode> {
+fn figures() -> Outcome<Figures> {
     let soil = ElasticMedium::new(100.0e6, 0.3, 1900.0)?;
     let elastic = || Material::new(LinearElastic::new(soil));
     let softening = || {
@@ -126,5 +126,18 @@ fn main() -> Outcome<ExitCode> {
         strong,
         "a strong wave arrives late and changed",
     );
-    Ok(figures.verdict())
+    Ok(figures)
+}
+
+fn main() -> Outcome<ExitCode> {
+    Ok(figures()?.verdict())
+}
+
+#[cfg(test)]
+mod tests {
+    /// Every figure meets its limit.
+    #[test]
+    fn figures_meet_their_limits() {
+        assert_eq!(super::figures().unwrap().missed(), 0);
+    }
 }

@@ -6,6 +6,7 @@
 //! * `convergence`: the slope of the error against the element size.
 //! * `invariance`: what must not change the result: threads, lanes, the direction of the axes.
 //! * `extremes`: the stable step and what must not lower it.
+//! * `regression`: results that were stored once, with a log of why each moved.
 //! * `architecture`: the shape of the workspace.
 //!
 //! Everything here uses the crates as a user would, through their public names. A test that fails

@@ -1,0 +1,81 @@
+//! The lined cavern of `data/scenes/cavern_small.toml`, its first seconds.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use powerhouse::{Results, RunHooks, Scene};
+
+/// What is run of the record (s); the strong motion begins after 1.5 s.
+const DURATION: f64 = 3.0;
+/// Every which sample is stored.
+const EVERY: usize = 20;
+/// What a sample may move by, as a share of its column's peak: far above the rounding of a library
+/// function on another processor, far below any change of method.
+const TOLERANCE: f64 = 1e-9;
+
+fn shelf() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("regression")
+}
+
+fn run() -> Results {
+    let scene = shelf().join("../../data/scenes/cavern_small.toml");
+    let scene = Scene::from_file(scene).unwrap().duration(DURATION);
+    scene.prepare().unwrap().run(RunHooks::default()).unwrap()
+}
+
+/// Time, histories and section forces as text, one column each.
+fn table(results: &Results) -> String {
+    let (histories, sections) = (&results.histories, &results.sections);
+    let columns = || histories.columns.iter().chain(&sections.columns);
+    let mut text = String::from("time");
+    for column in columns() {
+        write!(text, ",{}", column.name).unwrap();
+    }
+    for row in (0..histories.times.len()).step_by(EVERY) {
+        write!(text, "\n{}", histories.times[row]).unwrap();
+        for column in columns() {
+            write!(text, ",{}", column.values[row]).unwrap();
+        }
+    }
+    text + "\n"
+}
+
+/// Names and columns of a table.
+fn parse(text: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let mut columns = vec![Vec::new(); names.len()];
+    for line in lines {
+        for (column, number) in columns.iter_mut().zip(line.split(',')) {
+            column.push(number.parse().unwrap());
+        }
+    }
+    (names, columns)
+}
+
+/// Histories and section forces of the cavern are those that were stored.
+///
+/// Where a change of the method moves them on purpose, the environment variable
+/// `POWERHOUSE_STORE=1` stores the new ones, and `LOG.md` says why.
+#[test]
+fn the_cavern_moves_as_before() {
+    let file = shelf().join("cavern_small.csv");
+    let found = table(&run());
+    if std::env::var_os("POWERHOUSE_STORE").is_some() {
+        std::fs::write(&file, &found).unwrap();
+    }
+    let stored = std::fs::read_to_string(&file).unwrap();
+    let ((names, stored), (found_names, found)) = (parse(&stored), parse(&found));
+    assert_eq!(names, found_names);
+    for ((name, stored), found) in names.iter().zip(&stored).zip(&found) {
+        assert_eq!(stored.len(), found.len(), "{name}");
+        let peak = stored.iter().fold(0.0_f64, |peak, x| peak.max(x.abs()));
+        assert!(peak > 0.0, "{name} never moves");
+        for (row, (stored, found)) in stored.iter().zip(found).enumerate() {
+            assert!(
+                (stored - found).abs() <= TOLERANCE * peak,
+                "{name}, row {row}: {stored:e} was stored, {found:e} is found"
+            );
+        }
+    }
+}
