@@ -154,6 +154,9 @@ impl Registry {
         {
             merge(kernel, kernels);
         }
+        root.ensure_object()
+            .values_mut()
+            .for_each(document_variants);
         root
     }
 }
@@ -209,6 +212,29 @@ fn open_table(table: &mut Value, key: &str, choices: Vec<(String, Value)>) {
         table,
         json_schema!({ "allOf": conditions, "unevaluatedProperties": false }).to_value(),
     );
+}
+
+/// Gives the one key of an enum's variant the documentation of the variant, where editors look for
+/// it.
+fn document_variants(schema: &mut Value) {
+    if let Some(Value::Array(variants)) = schema.get_mut("oneOf") {
+        for variant in variants {
+            let Some(description) = variant.get("description").cloned() else {
+                continue;
+            };
+            let properties = variant.get_mut("properties").and_then(Value::as_object_mut);
+            if let Some(properties) = properties.filter(|all| all.len() == 1) {
+                for key in properties.values_mut().filter_map(Value::as_object_mut) {
+                    key.entry("description").or_insert(description.clone());
+                }
+            }
+        }
+    }
+    match schema {
+        Value::Object(fields) => fields.values_mut().for_each(document_variants),
+        Value::Array(items) => items.iter_mut().for_each(document_variants),
+        _ => {}
+    }
 }
 
 fn merge(into: &mut Value, from: Value) {

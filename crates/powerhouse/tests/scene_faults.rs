@@ -287,7 +287,7 @@ fn a_fault_is_shown_with_its_line_and_the_nearest_name() {
     );
     let shown = fault(
         "kind = \"sv\"\nincidence = 30",
-        "kind = \"p\"\nincidence = 90",
+        "kind = \"p\"\nincidence = §90",
     )
     .render(false);
     assert!(shown.contains("space = \"full-space\""), "{shown}");

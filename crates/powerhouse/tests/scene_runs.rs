@@ -43,8 +43,13 @@ impl Drop for Folder {
 }
 
 fn cube() -> Mesh {
+    cube_of(6)
+}
+
+/// The cube with some elements along each edge.
+fn cube_of(elements: usize) -> Mesh {
     let (low, high) = (Vec3::new(0.0, 0.0, -300.0), Vec3::new(300.0, 300.0, 0.0));
-    Mesh::box_of_hexes(low, high, [6, 6, 6], "rock").unwrap()
+    Mesh::box_of_hexes(low, high, [elements; 3], "rock").unwrap()
 }
 
 /// The scene of [`cube_scene`] as a file.
@@ -82,7 +87,10 @@ at = [150, 150, 0]
 
 /// The same scene composed in Rust.
 fn cube_scene() -> Scene {
-    let mesh = cube();
+    cube_scene_on(cube())
+}
+
+fn cube_scene_on(mesh: Mesh) -> Scene {
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
     parameters.incidence = Angle::from_degrees(20.0);
     parameters.azimuth = Angle::from_degrees(30.0);
@@ -310,41 +318,34 @@ fn misfits_are_refused_by_name() {
     assert!(matches!(step.step(), Err(Error::Run(_))));
 }
 
-/// A body that starts with the motion of a wave that is already inside goes on with it: a pulse
-/// halfway up a box keeps its shape, where a start from rest would lose it.
+/// A body that starts with the motion of a wave that is already inside goes on with it: the error
+/// at the surface falls with the square of the element size. A start from rest has lost what was
+/// inside, and no mesh brings it back.
 #[test]
 fn a_body_may_start_with_the_field() {
-    let scene = |motion| {
-        let mut scene = cube_scene().start(0.25, motion).duration(0.1);
-        let mut plan = scene.output_plan().clone();
-        plan.every = 0.1;
-        scene = scene.output(plan);
-        scene
+    let error = |elements, motion| {
+        let scene = cube_scene_on(cube_of(elements))
+            .start(0.25, motion)
+            .duration(0.35);
+        let field = scene.incident_field().unwrap().clone();
+        let sampler = field.prepare(&[Vec3::new(150.0, 150.0, 0.0)]).unwrap();
+        let histories = run(scene).histories;
+        let found = &histories.column("surface.ux").unwrap().values;
+        let (mut missed, mut all) = (0.0, 0.0);
+        for (&time, found) in histories.times.iter().zip(found) {
+            let mut exact = [Default::default()];
+            sampler.add_motion(time, &mut exact);
+            let exact = exact[0].displacement.x;
+            missed += (found - exact).powi(2);
+            all += exact * exact;
+        }
+        (missed / all).sqrt()
     };
-    let field = scene(InitialMotion::Field)
-        .incident_field()
-        .unwrap()
-        .clone();
-    let sampler = field.prepare(&[Vec3::new(150.0, 150.0, 0.0)]).unwrap();
-    let error = |motion| {
-        let results = run(scene(motion));
-        let time = *results.histories.times.last().unwrap();
-        let mut exact = [Default::default()];
-        sampler.add_motion(time, &mut exact);
-        let found = results
-            .histories
-            .column("surface.ux")
-            .unwrap()
-            .values
-            .last()
-            .copied();
-        ((found.unwrap() - exact[0].displacement.x) / exact[0].displacement.x).abs()
-    };
-    let (with_field, from_rest) = (error(InitialMotion::Field), error(InitialMotion::Rest));
-    assert!(
-        with_field < 0.1 && from_rest > 2.0 * with_field,
-        "{with_field} {from_rest}"
-    );
+    let [coarse, fine] = [6, 12].map(|elements| error(elements, InitialMotion::Field));
+    let order = (coarse / fine).log2();
+    assert!((order - 2.0).abs() < 0.3, "{coarse} {fine}: order {order}");
+    let from_rest = error(12, InitialMotion::Rest);
+    assert!(from_rest > 5.0 * fine, "{from_rest} {fine}");
 }
 
 /// Rollers take the mean normal of their face by default; supports of a scene hold what they name.
@@ -360,7 +361,7 @@ file = "cube.msh"
 name = "rock"
 law = "elastic"
 young = 9.0e9
-poisson = 0.0
+poisson = 0.27
 density = 2750
 [[part]]
 set = "rock"
@@ -381,7 +382,7 @@ set = "top"
 pressure = 3.0e6
 function = { kind = "ramp", duration = 0.2 }
 [time]
-duration = 0.1
+duration = 0.3
 [[output.history]]
 name = "bottom"
 set = "bottom"
@@ -404,8 +405,16 @@ set = "top"
             .iter()
             .fold(0.0_f64, |most, u| most.max(u.abs()))
     };
-    assert!(peak("bottom.uz") == 0.0 && peak("left.ux") == 0.0 && peak("front.uz") == 0.0);
-    assert!(peak("top.uz") > 1e-3 && peak("bottom.uy") >= 0.0);
+    // Each holds in its own directions, up to the rounding of the mean normals...
+    let rounding = 1e-15 * peak("top.uz");
+    for held in ["bottom.uz", "left.ux", "front.ux", "front.uy", "front.uz"] {
+        assert!(peak(held) <= rounding, "{held}: {}", peak(held));
+    }
+    // ... and in no others: rollers slide.
+    for free in ["bottom.ux", "bottom.uy", "left.uy", "left.uz"] {
+        assert!(peak(free) > 1e9 * rounding, "{free}: {}", peak(free));
+    }
+    assert!(peak("top.uz") > 1e-3, "{}", peak("top.uz"));
 }
 
 /// `Support` of the engine and a scene's own are the same.
@@ -418,6 +427,7 @@ fn engine_supports_go_into_the_builder() {
         .support(Support::fixed(nodes))
         .gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 0.05).min(1.0))
         .duration(0.05)
+        .step(TimeStep::Seconds(0.001))
         .output(OutputPlan::default().history(
             "top",
             Vec3::new(150.0, 150.0, 0.0),
@@ -432,8 +442,11 @@ fn engine_supports_go_into_the_builder() {
         .last()
         .copied()
         .unwrap();
-    // Free fall under a ramp for as long as no wave from the base has arrived: g t^3 / (6 T).
+    // Free fall under a ramp for as long as no wave from the base has arrived, g t^3 / (6 T), which
+    // n leapfrog steps find times 1 - 1 / n^2. The mesh lets some of it through ahead of the wave:
+    // six elements off, after c t / h = 2 elements of way, 12 * 2^12 / 15! = 4e-8.
     let time = results.histories.times.last().copied().unwrap();
-    let fall = -9.81 * time.powi(3) / (6.0 * 0.05);
-    assert!((top - fall).abs() < 1e-3 * fall.abs(), "{top} {fall}");
+    let steps = (time / 0.001).round();
+    let fall = -9.81 * time.powi(3) / (6.0 * 0.05) * (1.0 - 1.0 / (steps * steps));
+    assert!((top - fall).abs() < 1e-6 * fall.abs(), "{top} {fall}");
 }

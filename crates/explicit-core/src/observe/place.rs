@@ -1,5 +1,7 @@
 //! Where something is observed.
 
+use std::borrow::Cow;
+
 use powerhouse_model::{Located, Mesh, ParameterError, Vec3};
 
 use super::ObserveError;
@@ -84,7 +86,8 @@ pub enum Place {
     Spot(Spot),
     /// A node, by the user's number.
     Node(u64),
-    /// The mean over the nodes of a set.
+    /// The mean over the nodes of a node set, or of the facets of a facet set if there is no node
+    /// set of that name.
     NodeSet(String),
 }
 
@@ -179,7 +182,7 @@ pub(super) fn probes(mesh: &Mesh, places: &[(String, Place)]) -> Result<Vec<Prob
                 probes.push(Probe(vec![(node, 1.0)]));
             }
             Place::NodeSet(set) => {
-                let nodes = mesh.node_set(set)?;
+                let nodes = nodes_of_set(mesh, set)?;
                 if nodes.is_empty() {
                     return Err(ObserveError::EmptySet {
                         name: name.clone(),
@@ -221,6 +224,15 @@ pub(super) fn elements(
         }
     }
     Ok(elements)
+}
+
+/// The nodes of a node set, or else of a facet set.
+fn nodes_of_set<'m>(mesh: &'m Mesh, set: &str) -> Result<Cow<'m, [u32]>, ObserveError> {
+    match (mesh.node_set(set), mesh.facet_set(set)) {
+        (Ok(nodes), _) => Ok(nodes.into()),
+        (Err(_), Ok(facets)) => Ok(mesh.nodes_of_facets(facets).into()),
+        (Err(error), Err(_)) => Err(error.into()),
+    }
 }
 
 fn index_of(tags: &[u64], tag: u64) -> Option<u32> {

@@ -67,6 +67,31 @@ fn probes_in_a_linear_field_are_exact() {
     assert!(table.column("node.ux").is_none() && table.column("set.vx").is_none());
 }
 
+/// A set of facets is observed as the mean over its nodes; a node set of the same name goes first.
+#[test]
+fn facet_sets_are_observed_by_their_nodes() {
+    let mesh = rough_block();
+    let nodes = mesh.nodes_of_facets(mesh.facet_set("top").unwrap());
+    let x = |node: u32| mesh.positions()[node as usize];
+    let seen = |mesh: &Mesh| {
+        let mut history = History::builder(Cadence::Steps(1))
+            .motion("top", Place::NodeSet("top".into()), Motion::DISPLACEMENT)
+            .build(mesh)
+            .unwrap();
+        let recording = history.recording();
+        let mut view = Fields::at_rest(mesh.node_count());
+        view.displacement = Box::new(|node, _| x(node));
+        view.show(&mut history, 1.0);
+        let table = recording.copy();
+        ["x", "y", "z"].map(|axis| table.column(&format!("top.u{axis}")).unwrap().values[0])
+    };
+    let mean: Vec3 = nodes.iter().map(|&n| x(n)).sum::<Vec3>() / nodes.len() as f64;
+    assert!((Vec3::from(seen(&mesh)) - mean).norm() < 1e-12);
+    let mut named = mesh.clone();
+    named.set_node_set("top", vec![3]).unwrap();
+    assert_eq!(Vec3::from(seen(&named)), x(3));
+}
+
 /// Stress of an element stands in six components and three principal stresses, the element found by
 /// number or by coordinate in its set.
 #[test]
