@@ -14,7 +14,7 @@ pub struct SiteFace {
     pub face: usize,
     /// The medium of the elements behind this share of the face.
     pub medium: ElasticMedium,
-    /// Outward unit normal, averaged over the facets at this node.
+    /// Outward unit normal.
     pub normal: Vec3,
     /// The area that belongs to this node (m2).
     pub area: f64,
@@ -27,8 +27,10 @@ pub struct SiteNode {
     pub node: u32,
     /// Position (m).
     pub position: Vec3,
-    /// The faces that meet here: one inside a face, two on an edge, three at a corner; a face
-    /// stands here once for every medium that touches it at this node.
+    /// What meets here: one share inside a plane face, two on an edge, three at a corner, whether
+    /// the sides of the edge bear one name or two. A face stands here once for every medium and
+    /// every direction that it has at this node, so that areas along their normals add up to the
+    /// face's vector area.
     pub faces: Vec<SiteFace>,
 }
 
@@ -60,16 +62,23 @@ impl<'a> BoundarySite<'a> {
     ) -> Self {
         let mut shares: BTreeMap<u32, Vec<SiteFace>> = BTreeMap::new();
         for (face, (_, facets)) in faces.iter().enumerate() {
-            for (medium, facets) in by_medium(facets, &medium) {
-                for tributary in mesh.tributary_areas(&facets) {
-                    shares.entry(tributary.node).or_default().push(SiteFace {
+            for &facet in *facets {
+                let medium = medium(facet.element);
+                let geometry = mesh.facet_geometry(facet);
+                let parts = geometry.shares.iter().zip(&geometry.areas);
+                for (&node, (&vector, &area)) in geometry.nodes.iter().zip(parts) {
+                    let share = SiteFace {
                         face,
                         medium,
-                        normal: tributary.normal,
-                        area: tributary.area,
-                    });
+                        normal: vector,
+                        area,
+                    };
+                    add_share(shares.entry(node).or_default(), share);
                 }
             }
+        }
+        for share in shares.values_mut().flatten() {
+            share.normal = share.normal.try_normalize(0.0).unwrap_or_default();
         }
         Self {
             faces: faces.iter().map(|(name, _)| (*name).into()).collect(),
@@ -87,20 +96,25 @@ impl<'a> BoundarySite<'a> {
     }
 }
 
-/// The facets in front of each medium, in the order in which the media first appear.
-fn by_medium(
-    facets: &[Facet],
-    medium: impl Fn(u32) -> ElasticMedium,
-) -> Vec<(ElasticMedium, Vec<Facet>)> {
-    let mut groups: Vec<(ElasticMedium, Vec<Facet>)> = Vec::new();
-    for &facet in facets {
-        let behind = medium(facet.element);
-        match groups.iter_mut().find(|(medium, _)| *medium == behind) {
-            Some((_, group)) => group.push(facet),
-            None => groups.push((behind, vec![facet])),
+/// Normals that differ by less (rad) are one: rounded coordinates bend a plane by so much at most.
+const SAME_NORMAL: f64 = 1e-6;
+
+/// Adds what a node has of one facet, its normal as long as its area, to the share of the same
+/// face, medium and direction.
+fn add_share(shares: &mut Vec<SiteFace>, new: SiteFace) {
+    let alike = |share: &&mut SiteFace| {
+        let lengths = share.normal.norm() * new.normal.norm();
+        (share.face, share.medium) == (new.face, new.medium)
+            && share.normal.dot(&new.normal) > 0.0
+            && share.normal.cross(&new.normal).norm() <= SAME_NORMAL * lengths
+    };
+    match shares.iter_mut().find(alike) {
+        Some(share) => {
+            share.normal += new.normal;
+            share.area += new.area;
         }
+        None => shares.push(new),
     }
-    groups
 }
 
 /// A spring and a dashpot from a node to the ground.
@@ -263,5 +277,28 @@ mod tests {
         assert_eq!(edge.len(), 2);
         assert!((edge[0].normal + Vec3::z()).norm() < 1e-14);
         assert!((edge[1].normal + Vec3::x()).norm() < 1e-14);
+    }
+    /// An edge inside one face is the edge between two: the areas along their normals add up to
+    /// the face's vector area at every node, whatever the names.
+    #[test]
+    fn a_face_around_an_edge_keeps_both_directions() {
+        let mesh = two_cubes().unwrap();
+        let rock = ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap();
+        let (base, end) = (
+            mesh.facet_set("base").unwrap(),
+            mesh.facet_set("end").unwrap(),
+        );
+        let shell = [base, end].concat();
+        let site = |faces: &[(&str, &[Facet])]| {
+            BoundarySite::from_mesh(&mesh, faces, |_| rock, Vec3::zeros(), None)
+        };
+        let (one, two) = (site(&[("shell", &shell)]), site(&[("b", base), ("e", end)]));
+        assert_eq!(one.nodes.len(), two.nodes.len());
+        for (one, two) in one.nodes.iter().zip(&two.nodes) {
+            let directions = |node: &SiteNode| -> Vec<(Vec3, f64)> {
+                node.faces.iter().map(|f| (f.normal, f.area)).collect()
+            };
+            assert_eq!(directions(one), directions(two));
+        }
     }
 }

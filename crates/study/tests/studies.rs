@@ -7,7 +7,7 @@ use powerhouse::engine::Rayleigh;
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{
-    Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
+    Angle, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, WaveKind, first_hit_corner,
 };
 use powerhouse::{Boundary, Material, Part, Registry, Remark, RunHooks, Scene};
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError, Warning, check};
@@ -18,14 +18,17 @@ const ROCK: ElasticMedium = ElasticMedium {
     density: 2750.0,
 };
 
-/// A cube of 300 m under an SV wave at 20 degrees, cut into so many cells along an edge.
+/// A cube of 300 m under an SV wave at 20 degrees, cut into so many cells along an edge. The pulse is
+/// smooth to all orders: one of velocities that fall with the third power of frequency, such as
+/// a cubic spline, has an error of velocity that falls with the power 3/2 of the size only.
 fn cube(cells: usize) -> (Mesh, PlaneWave) {
     let (low, high) = (Vec3::new(0.0, 0.0, -300.0), Vec3::new(300.0, 300.0, 0.0));
     let mesh = Mesh::box_of_hexes(low, high, [cells; 3], "rock").unwrap();
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
     parameters.incidence = Angle::from_degrees(20.0);
     parameters.reference = first_hit_corner(&low, &high, &parameters.direction());
-    let pulse = Arc::new(SmoothPulse::new(0.01, 0.5).unwrap());
+    let pulse = Ricker::new(RickerQuantity::Displacement, 0.01, 2.0, 0.75);
+    let pulse = Arc::new(pulse.unwrap());
     (mesh, PlaneWave::new(parameters, pulse).unwrap())
 }
 
@@ -57,17 +60,17 @@ fn free_field(scene: &Scene) -> FreeFieldReport {
 #[test]
 fn the_free_field_error_falls_with_the_square_of_the_size() {
     let (coarse, fine) = (
-        free_field(&scene(8, &SIDES)),
-        free_field(&scene(16, &SIDES)),
+        free_field(&scene(12, &SIDES)),
+        free_field(&scene(24, &SIDES)),
     );
-    assert_eq!((coarse.cells, fine.cells), ([8; 3], [16; 3]));
+    assert_eq!((coarse.cells, fine.cells), ([12; 3], [24; 3]));
     for (coarse, fine) in coarse.points.iter().zip(&fine.points) {
         for (coarse, fine) in [
             (coarse.displacement, fine.displacement),
             (coarse.velocity, fine.velocity),
         ] {
             let slope = (coarse / fine).log2();
-            assert!((slope - 2.0).abs() < 0.3, "{coarse} {fine}: slope {slope}");
+            assert!((slope - 2.0).abs() < 0.15, "{coarse} {fine}: slope {slope}");
         }
     }
     let largest = coarse.largest();

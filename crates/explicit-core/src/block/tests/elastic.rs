@@ -187,7 +187,10 @@ fn unsuitable_parts_are_refused() {
     assert!(message.contains("uses node 1"), "{message}");
     let tets = distorted_box(ElementKind::Tet4);
     let message = build(&tets, &all).unwrap();
-    assert!(message.contains("element 1 of set 'rock' is a tet4"), "{message}");
+    assert!(
+        message.contains("element 1 of set 'rock' is a tet4"),
+        "{message}"
+    );
     let flat = hexes.map_positions(|x| Vec3::new(x.x, x.y, 0.0));
     if let Ok(flat) = flat {
         let message = build(&flat, &all).unwrap();
