@@ -1,3 +1,4 @@
-//! The stable step, and what must not lower it.
+//! Long runs: the stable step, what must not lower it, and the account of energies.
 
+mod energy;
 mod stable_step;
