@@ -134,11 +134,14 @@ fn check_cover(mesh: &Mesh, labels: &[&str], sets: &[&[u32]]) -> Result<(), Engi
             *place = set as u32;
         }
     }
-    let count = owner.iter().filter(|&&o| o == FREE).count();
-    match owner.iter().position(|&o| o == FREE) {
+    // Bars that nothing computes are lines of the mesh, not a hole in the body.
+    let left_out =
+        |element: &u32| owner[*element as usize] == FREE && mesh.kind(*element).is_solid();
+    let mut unassigned = (0..mesh.element_count() as u32).filter(left_out);
+    match unassigned.next() {
         Some(first) => Err(EngineError::ElementUnassigned {
-            element: mesh.element_tags()[first],
-            count,
+            element: mesh.element_tags()[first as usize],
+            count: 1 + unassigned.count(),
         }),
         None => Ok(()),
     }

@@ -25,6 +25,38 @@ fn refusal(builder: ModelBuilder) -> EngineError {
     }
 }
 
+/// Bars that no set claims are lines of the mesh and are left out; where their own nodes are left
+/// without mass, the first of them is named.
+#[test]
+fn bars_without_a_set_are_left_out() {
+    let with_bar = |end: u64| {
+        let mut builder = Mesh::builder();
+        for corner in 0..8_u64 {
+            let of = |bit: u64| f64::from(u8::from(corner & bit != 0));
+            builder.node(corner + 1, Vec3::new(of(1), of(2), of(4)));
+        }
+        if end == 9 {
+            builder.node(9, Vec3::new(0.0, 0.0, 3.0));
+        }
+        builder.element(1, ElementKind::Hex8, &[1, 2, 4, 3, 5, 6, 8, 7], &["rock"]);
+        builder.element(2, ElementKind::Bar2, &[5, end], &["edge"]);
+        builder.build().unwrap()
+    };
+    let edge = with_bar(7);
+    assert!(
+        Model::builder(&edge)
+            .elements("rock", rock().boxed())
+            .build()
+            .is_ok()
+    );
+    let alone = with_bar(9);
+    let builder = Model::builder(&alone).elements("rock", rock().boxed());
+    let EngineError::NodeWithoutMass { node, .. } = refusal(builder) else {
+        panic!("the bar's end has no mass");
+    };
+    assert_eq!(node, 9);
+}
+
 /// Every element is computed once: two sets that claim one, and elements that no set claims, are
 /// refused by number.
 #[test]

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::fourier::Fourier;
 use crate::hermite::Quintic;
 use crate::{Complex, Signal, WaveError};
 
-/// Tables per doubling of the height; see [`AnalyticSignal`].
+/// Tables per doubling of the height; see [`AnalyticTables`].
 const ROWS_PER_OCTAVE: f64 = 8.0;
 /// From this many half lengths of the signal on, its moments give the field: with twelve of them
 /// to 2^-12 of the leading one.
@@ -72,7 +73,7 @@ struct Table {
     intervals: Vec<Quintic<Complex>>,
 }
 
-/// The analytic signal `A(t + i h)` of a signal f, tabulated over time and height.
+/// The analytic signal `A(t + i h)` of a signal f, tabulated over time and height on demand.
 ///
 /// `A = f + i H f` on the real axis (H the Hilbert transform) has positive frequencies only, and
 /// `A(t + i h)` is it with each of them damped by `exp(-w h)`. So `Re[c A(t + i h)]` is the signal
@@ -88,73 +89,84 @@ struct Table {
 ///
 /// The transform is periodic; what the images of the signal add is taken off by its moments,
 /// `cot x = 1/x - x/3 - x^3/45 - ...`.
-pub(crate) struct AnalyticSignal {
-    tables: Vec<Table>,
-    moments: [f64; MOMENTS],
-    centre: f64,
-    radius: f64,
+pub(crate) struct AnalyticTables {
+    sampled: SampledSpectra,
     taper: Option<StartTaper>,
+    /// By coarsening and row; a table is made when a point first needs it.
+    made: Mutex<BTreeMap<(u32, u64), Arc<Table>>>,
 }
 
-impl AnalyticSignal {
-    /// Tables for the given heights (s), none negative, and the level of each.
-    pub(crate) fn new(
-        signal: &dyn Signal,
-        heights: &[f64],
-        taper: Option<StartTaper>,
-    ) -> Result<(Self, Vec<Level>), WaveError> {
-        let sampled = SampledSpectra::new(signal)?;
-        let mut this = Self {
-            tables: Vec::new(),
-            moments: sampled.moments,
-            centre: sampled.centre,
-            radius: sampled.radius,
+impl AnalyticTables {
+    /// The spectra of a signal, no table yet.
+    pub(crate) fn new(signal: &dyn Signal, taper: Option<StartTaper>) -> Result<Self, WaveError> {
+        Ok(Self {
+            sampled: SampledSpectra::new(signal)?,
             taper,
-        };
+            made: Mutex::default(),
+        })
+    }
+
+    /// The signal at the given heights (s), none negative, and the level of each.
+    pub(crate) fn at(&self, heights: &[f64]) -> (AnalyticSignal, Vec<Level>) {
+        let sampled = &self.sampled;
+        let mut tables = Vec::new();
         let mut known = BTreeMap::new();
-        let mut levels = Vec::with_capacity(heights.len());
-        for &height in heights {
+        let level = |&height: &f64| {
             if height >= FAR_RADII * sampled.radius {
-                levels.push(Level {
+                return Level {
                     table: FAR,
                     offset: 0.0,
                     height,
-                });
-                continue;
+                };
             }
             let (coarsening, row) = band(height / sampled.step);
-            let step = sampled.step * (1u64 << coarsening) as f64;
-            let table = match known.get(&(coarsening, row)) {
-                Some(table) => *table,
-                None => {
-                    let table = this.table(&sampled, coarsening, row as f64 * step);
-                    this.tables.push(table);
-                    let index = (this.tables.len() - 1) as u32;
-                    known.insert((coarsening, row), index);
-                    index
-                }
-            };
-            levels.push(Level {
-                table,
-                offset: height / step - row as f64,
-                height,
+            let table = *known.entry((coarsening, row)).or_insert_with(|| {
+                tables.push(self.shared(coarsening, row));
+                (tables.len() - 1) as u32
             });
-        }
-        Ok((this, levels))
+            Level {
+                table,
+                offset: height / self.step(coarsening) - row as f64,
+                height,
+            }
+        };
+        let levels = heights.iter().map(level).collect();
+        let signal = AnalyticSignal {
+            tables,
+            moments: sampled.moments,
+            centre: sampled.centre,
+            radius: sampled.radius,
+            taper: self.taper,
+        };
+        (signal, levels)
+    }
+
+    /// The step of the tables of one coarsening (s).
+    fn step(&self, coarsening: u32) -> f64 {
+        self.sampled.step * (1u64 << coarsening) as f64
+    }
+
+    /// The table of one band, made at the first demand.
+    fn shared(&self, coarsening: u32, row: u64) -> Arc<Table> {
+        // A panic of another thread leaves whole tables behind.
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let make = || Arc::new(self.table(coarsening, row as f64 * self.step(coarsening)));
+        made.entry((coarsening, row)).or_insert_with(make).clone()
     }
 
     /// Samples along one height, `2^coarsening` steps apart, joined by quintics.
-    fn table(&self, sampled: &SampledSpectra, coarsening: u32, height: f64) -> Table {
-        let step = sampled.step * (1u64 << coarsening) as f64;
+    fn table(&self, coarsening: u32, height: f64) -> Table {
+        let sampled = &self.sampled;
+        let step = self.step(coarsening);
         let values = sampled.along(coarsening, height);
         let period = values.len() as i64;
-        let reach = FAR_RADII * self.radius;
-        let before = ((reach - self.radius) / step).ceil() as i64 + 1;
-        let after = ((reach + self.radius) / step).ceil() as i64 + 1;
-        let images = Images::new(&self.moments, self.radius, sampled.period);
+        let reach = FAR_RADII * sampled.radius;
+        let before = ((reach - sampled.radius) / step).ceil() as i64 + 1;
+        let after = ((reach + sampled.radius) / step).ceil() as i64 + 1;
+        let images = Images::new(&sampled.moments, sampled.radius, sampled.period);
         let node = |i: i64| {
             let z = Complex::new(sampled.start + i as f64 * step, height);
-            let images = images.value(z - self.centre);
+            let images = images.value(z - sampled.centre);
             let periodic = values[i.rem_euclid(period) as usize];
             let node = core::array::from_fn(|k| periodic[k] + images[k]);
             match &self.taper {
@@ -175,7 +187,18 @@ impl AnalyticSignal {
             intervals,
         }
     }
+}
 
+/// The signal on the levels of some points; see [`AnalyticTables`].
+pub(crate) struct AnalyticSignal {
+    tables: Vec<Arc<Table>>,
+    moments: [f64; MOMENTS],
+    centre: f64,
+    radius: f64,
+    taper: Option<StartTaper>,
+}
+
+impl AnalyticSignal {
     /// Complex displacement and velocity at a time (s) on a level.
     #[inline]
     pub(crate) fn value(&self, time: f64, level: &Level) -> (Complex, Complex) {

@@ -2,9 +2,9 @@
 
 use powerhouse_model::{FieldMotion, FieldSampler, Vec3};
 
-use crate::analytic::{AnalyticSignal, Level, StartTaper};
+use crate::Complex;
+use crate::analytic::{AnalyticSignal, AnalyticTables, Level};
 use crate::partial::{PartialWave, Vectors};
-use crate::{Complex, Signal, WaveError};
 
 /// Points of which all waves are evaluated before any motion is written.
 const BATCH: usize = 32;
@@ -38,12 +38,7 @@ pub(crate) struct AnalyticSampler {
 }
 
 impl AnalyticSampler {
-    pub(crate) fn new(
-        signal: &dyn Signal,
-        taper: Option<StartTaper>,
-        waves: &[PartialWave],
-        points: &[Vec3],
-    ) -> Result<Self, WaveError> {
+    pub(crate) fn new(tables: &AnalyticTables, waves: &[PartialWave], points: &[Vec3]) -> Self {
         let delays = |wave: &PartialWave| -> Vec<Complex> {
             points.iter().map(|point| wave.delay(point)).collect()
         };
@@ -52,7 +47,7 @@ impl AnalyticSampler {
         // The first level is that of the waves that do not decay.
         let mut heights = vec![0.0];
         heights.extend(arrivals.iter().map(|delay| (-delay.im).max(0.0)));
-        let (signal, levels) = AnalyticSignal::new(signal, &heights, taper)?;
+        let (signal, levels) = tables.at(&heights);
         let arrivals = arrivals.iter().map(|delay| delay.re);
         let arrivals = arrivals.zip(levels[1..].iter().copied());
         let travelling = waves.iter().filter(|wave| !wave.decays()).map(|wave| {
@@ -63,7 +58,7 @@ impl AnalyticSampler {
                 delays: delays(wave).iter().map(|delay| delay.re).collect(),
             }
         });
-        Ok(Self {
+        Self {
             signal,
             surface: levels[0],
             travelling: travelling.collect(),
@@ -73,7 +68,7 @@ impl AnalyticSampler {
                 arrivals: arrivals.collect(),
             }),
             points: points.len(),
-        })
+        }
     }
 
     fn add_travelling(&self, wave: &TravellingWave, time: f64, motion: &mut [FieldMotion]) {

@@ -3,9 +3,9 @@
 use powerhouse_model::{
     ElasticMedium, FieldSampler, IncidentField, ModelError, ParameterError, Vec3,
 };
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use crate::analytic::StartTaper;
+use crate::analytic::{AnalyticTables, StartTaper};
 use crate::body::BodySampler;
 use crate::evanescent::AnalyticSampler;
 use crate::partial::{PartialWave, half_space_waves, turned};
@@ -108,7 +108,8 @@ pub fn first_hit_corner(low: &Vec3, high: &Vec3, direction: &Vec3) -> Vec3 {
 /// [`start_level`](Self::start_level) and [`with_quiet_start`](Self::with_quiet_start). The tables
 /// agree with the formulas to 1e-6 of the peak displacement and 1e-4 of the peak velocity for
 /// pulses whose acceleration has corners (1e-7 for smooth ones, 1e-3 of the velocity for a record
-/// with a corner at every sample); each `prepare` builds its own, about 15 MB for a record of 20 s.
+/// with a corner at every sample). All samplers of a wave share them: about 15 MB for a record of
+/// 20 s and a box 100 m deep.
 ///
 /// Sources: K. Aki, P. G. Richards (2002), Quantitative Seismology, ch. 5; X. Wang, J. Chen,
 /// M. Xiao (2019), Soil Dyn. Earthq. Eng. 119, Eqs. 4-10, whose delays are replaced by
@@ -119,7 +120,9 @@ pub struct PlaneWave {
     pub(crate) signal: Arc<dyn Signal>,
     waves: Vec<PartialWave>,
     conversion: InputConversion,
-    pub(crate) taper: Option<StartTaper>,
+    taper: Option<StartTaper>,
+    /// Tables of the analytic signal, once they are needed; clones share them.
+    tables: Arc<OnceLock<AnalyticTables>>,
     name: String,
 }
 
@@ -211,6 +214,7 @@ impl PlaneWave {
             waves,
             conversion,
             taper: None,
+            tables: Arc::default(),
         };
         if !wave.is_causal() {
             check_return(&*wave.signal, "a wave past the critical angle")?;
@@ -246,8 +250,20 @@ impl PlaneWave {
         for wave in &mut later.waves {
             wave.delay_by(time);
         }
-        later.taper = taper;
+        if later.taper != taper {
+            later.taper = taper;
+            later.tables = Arc::default();
+        }
         later
+    }
+
+    /// The tables of the analytic signal.
+    fn tables(&self) -> Result<&AnalyticTables, WaveError> {
+        if let Some(tables) = self.tables.get() {
+            return Ok(tables);
+        }
+        let tables = AnalyticTables::new(&*self.signal, self.taper)?;
+        Ok(self.tables.get_or_init(|| tables))
     }
 
     fn check_points(&self, points: &[Vec3]) -> Result<(), WaveError> {
@@ -296,8 +312,8 @@ impl IncidentField for PlaneWave {
             let signal = self.signal.clone();
             return Ok(Box::new(BodySampler::new(signal, &self.waves, points)));
         }
-        let sampler = AnalyticSampler::new(&*self.signal, self.taper, &self.waves, points)?;
-        Ok(Box::new(sampler))
+        let tables = self.tables()?;
+        Ok(Box::new(AnalyticSampler::new(tables, &self.waves, points)))
     }
 }
 

@@ -246,6 +246,29 @@ fn box_points() -> Vec<Vec3> {
     points
 }
 
+/// Points prepared one by one, in any order and by clones of the wave, move to the last bit as they
+/// do when they are prepared together: the tables that samplers share depend on no sampler.
+#[test]
+fn points_move_alike_however_they_are_prepared() {
+    let ricker = Arc::new(Ricker::new(RickerQuantity::Displacement, 1.0, 3.0, 0.6).unwrap());
+    let together = wave(WaveKind::SV, POISSON, 45.0, 30.0, ricker.clone());
+    let apart = wave(WaveKind::SV, POISSON, 45.0, 30.0, ricker).clone();
+    let points = box_points();
+    let mut all = vec![FieldMotion::default(); points.len()];
+    let time = 0.63;
+    together
+        .prepare(&points)
+        .unwrap()
+        .add_motion(time, &mut all);
+    for (point, expected) in points.iter().zip(&all).rev() {
+        let mut one = [FieldMotion::default()];
+        let sampler = apart.clone().prepare(&[*point]).unwrap();
+        sampler.add_motion(time, &mut one);
+        assert!(expected.displacement.norm() > 0.0);
+        assert_eq!(one[0], *expected);
+    }
+}
+
 /// Before its arrival the field past the critical angle is already there, and falls only as 1/t for
 /// a one-sided pulse: at -1 s by some per cent; below the critical angle there is nothing.
 #[test]
