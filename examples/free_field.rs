@@ -121,10 +121,7 @@ fn figures() -> Result<Figures, Box<dyn std::error::Error>> {
     let mut figures = Figures::default();
 
     // The paper's two waves; a pulse of 0.8 s that comes back to rest.
-    for (name, kind, limit, expected) in [
-        ("p15", WaveKind::P, 0.006, "about 0.16"),
-        ("sv15", WaveKind::SV, 0.02, "about 0.08"),
-    ] {
+    for (name, kind, limit) in [("p15", WaveKind::P, 0.006), ("sv15", WaveKind::SV, 0.02)] {
         let case = Case::new(kind, 15.0, RaisedCosinePulse::new(1.0, 0.8)?);
         let full = case.error()?;
         figures.at_most(&format!("free_field.{name}.rel_l2"), full, limit);
@@ -139,7 +136,7 @@ fn figures() -> Result<Figures, Box<dyn std::error::Error>> {
         figures.report(
             &format!("free_field.{name}.incident_only.rel_l2"),
             incident_only,
-            &format!("the paper's input at the bottom; {expected} is expected"),
+            "the paper's input at the bottom, which takes reflected waves for scattered ones",
         );
         // A pulse of the same duration, but narrower, is harder on the same mesh.
         let narrow = Case::new(kind, 15.0, SmoothPulse::new(1.0, 0.8)?);

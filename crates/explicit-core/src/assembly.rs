@@ -80,7 +80,23 @@ impl<'a> BlockPart<'a> {
 
 /// Makes the blocks of one element set.
 ///
-/// [`solid`](crate::solid) makes one from any kernel and law; there is no central list.
+/// [`solid`](crate::solid) makes one from any kernel and law; there is no central list. One of
+/// one's own may also change what another makes:
+/// ```
+/// use powerhouse_explicit_core::{BlockFactory, BlockOptions, BlockPart};
+/// use powerhouse_model::{ElementBlock, ElementKind, ModelError};
+/// /// The blocks of another factory, and how large they are.
+/// struct Told(Box<dyn BlockFactory>);
+/// impl BlockFactory for Told {
+///     fn label(&self) -> &str { self.0.label() }
+///     fn kind(&self) -> ElementKind { self.0.kind() }
+///     fn options(&self) -> BlockOptions { self.0.options() }
+///     fn build(&self, part: &BlockPart) -> Result<Box<dyn ElementBlock>, ModelError> {
+///         println!("a block of {} elements of '{}'", part.elements.len(), self.label());
+///         self.0.build(part)
+///     }
+/// }
+/// ```
 pub trait BlockFactory: Send + Sync {
     /// The set's name.
     fn label(&self) -> &str;

@@ -164,6 +164,23 @@ pub enum Flow {
 }
 
 /// A step as an observer sees it: everything in the mesh's numbering.
+///
+/// Engines implement it; a view of a body that never moves serves to try an observer:
+/// ```
+/// use powerhouse_model::{StepView, Stress, Vec3};
+/// struct Still(usize);
+/// impl StepView for Still {
+///     fn number(&self) -> u64 { 0 }
+///     fn time(&self) -> f64 { 0.0 }
+///     fn step(&self) -> f64 { 1e-4 }
+///     fn node_count(&self) -> usize { self.0 }
+///     fn displacement(&self, _node: u32) -> Vec3 { Vec3::zeros() }
+///     fn velocity(&self, _node: u32) -> Vec3 { Vec3::zeros() }
+///     fn acceleration(&self, _node: u32) -> Vec3 { Vec3::zeros() }
+///     fn stress(&self, _element: u32) -> Stress { Stress::default() }
+///     fn energies(&self) -> &[(&'static str, f64)] { &[] }
+/// }
+/// ```
 pub trait StepView {
     /// Steps taken.
     fn number(&self) -> u64;

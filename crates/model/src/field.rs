@@ -58,7 +58,8 @@ pub trait IncidentField: Send + Sync {
     fn prepare(&self, points: &[Vec3]) -> Result<Box<dyn FieldSampler>, ModelError>;
 }
 
-/// Samples a field at fixed points.
+/// Samples a field at fixed points; [`IncidentField::prepare`] makes it, and its documentation has
+/// an example.
 pub trait FieldSampler: Send + Sync {
     /// How many points.
     fn len(&self) -> usize;

@@ -36,6 +36,19 @@ pub struct Snapshot<'a> {
 }
 
 /// Takes snapshots, such as a writer of files. A closure is one too.
+///
+/// ```
+/// use powerhouse_explicit_core::observe::{Snapshot, SnapshotSink};
+/// /// Keeps the largest displacement of each snapshot (m).
+/// #[derive(Default)]
+/// struct Largest(Vec<f64>);
+/// impl SnapshotSink for Largest {
+///     fn take(&mut self, shot: &Snapshot) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+///         self.0.push(shot.displacement.iter().map(|u| u.norm()).fold(0.0, f64::max));
+///         Ok(())
+///     }
+/// }
+/// ```
 pub trait SnapshotSink: Send {
     /// Takes a snapshot.
     ///
