@@ -9,7 +9,9 @@ use powerhouse::engine::observe::Motion;
 use powerhouse::engine::{Ended, Hex8Full, SolidKernel, Support};
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::material::LinearElastic;
-use powerhouse::model::{ElasticMedium, HistoryVariable, LawInput, Mesh, PointLaw, Stress, Vec3};
+use powerhouse::model::{
+    ElasticMedium, ElementKind, HistoryVariable, LawInput, Mesh, PointLaw, Stress, Vec3,
+};
 use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
@@ -113,6 +115,57 @@ fn cube_scene_on(mesh: Mesh) -> Scene {
 
 fn run(scene: Scene) -> Results {
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
+}
+
+/// A physical curve of a mesh file names an edge: it is no part of the body, changes nothing, and
+/// its nodes can be held.
+#[test]
+fn a_curve_names_an_edge() {
+    let folder = Folder::new("curve");
+    let mesh = cube();
+    let mut builder = Mesh::builder();
+    for (tag, position) in mesh.node_tags().iter().zip(mesh.positions()) {
+        builder.node(*tag, *position);
+    }
+    let tags = |nodes: &[u32]| -> Vec<u64> {
+        let tag = |node: &u32| mesh.node_tags()[*node as usize];
+        nodes.iter().map(tag).collect()
+    };
+    for element in 0..mesh.element_count() as u32 {
+        let tag = mesh.element_tags()[element as usize];
+        let nodes = tags(mesh.nodes_of(element));
+        builder.element(tag, mesh.kind(element), &nodes, &["rock"]);
+    }
+    for (name, facets) in mesh.facet_sets() {
+        for facet in facets {
+            builder.facet(name, &tags(&mesh.facet_nodes(*facet)));
+        }
+    }
+    let edge = mesh.nodes_in_box(&Vec3::new(0.0, 0.0, 0.0), &Vec3::new(300.0, 0.0, 0.0));
+    for (i, ends) in tags(&edge).windows(2).enumerate() {
+        builder.element(10_000 + i as u64, ElementKind::Bar2, ends, &["edge"]);
+    }
+    write_gmsh(folder.0.join("cube.msh"), &builder.build().unwrap()).unwrap();
+    let read = |scene: &str| {
+        let path = folder.0.join("cube.toml");
+        std::fs::write(&path, scene).unwrap();
+        Scene::from_file(&path).unwrap()
+    };
+    let peak = |results: Results| {
+        let column = results.histories.column("surface.ux").unwrap();
+        column.values.iter().fold(0.0_f64, |peak, u| peak.max(*u))
+    };
+    // The numbering may change, and with it the last digits of the stable step.
+    let (with, without) = (peak(run(read(CUBE))), peak(run(cube_scene())));
+    assert!((with / without - 1.0).abs() < 1e-3);
+    let held = "[[support]]\nset = \"edge\"\nkind = \"fixed\"\n[time]";
+    let probe = "[[output.history]]\nname = \"edge\"\nat = [150, 0, 0]\n";
+    let held = run(read(&(CUBE.replace("[time]", held) + probe)));
+    let moved = |name: &str| {
+        let column = held.histories.column(name).unwrap();
+        column.values.iter().any(|&u| u != 0.0)
+    };
+    assert!(!moved("edge.ux") && moved("surface.ux"));
 }
 
 /// A scene from a file and the same one composed in Rust give the same bits.

@@ -146,7 +146,7 @@ fn mesh(text: &SceneText, table: &format::MeshFile) -> Result<Mesh, Fault> {
     }
 }
 
-/// Every element belongs to one part.
+/// Every element belongs to one part; bars may belong to none.
 fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
     let mesh = names.mesh;
     let mut owners = vec![0_usize; mesh.element_count()];
@@ -158,11 +158,10 @@ fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
             }
         }
     }
-    match (
-        owners.iter().position(|&count| count == 0),
-        file.parts.last(),
-    ) {
-        (Some(element), Some(part)) => Err(part_count(mesh, part.set.span(), element as u32, 0)),
+    let mut elements = 0..mesh.element_count() as u32;
+    let forgotten = |&e: &u32| owners[e as usize] == 0 && mesh.kind(e).is_solid();
+    match (elements.find(forgotten), file.parts.last()) {
+        (Some(element), Some(part)) => Err(part_count(mesh, part.set.span(), element, 0)),
         _ => Ok(()),
     }
 }
@@ -186,7 +185,7 @@ impl<'m> Names<'m> {
     fn facets(&self, name: &At<String>) -> Result<&'m [Facet], Fault> {
         self.mesh.facet_set(name).map_err(|e| no_such_set(name, e))
     }
-    /// Nodes of a node or facet set.
+    /// Nodes of a node, facet or element set.
     fn nodes(&self, name: &At<String>) -> Result<Vec<u32>, Fault> {
         if let Ok(nodes) = self.mesh.node_set(name) {
             return Ok(nodes.to_vec());
@@ -194,13 +193,20 @@ impl<'m> Names<'m> {
         if let Ok(facets) = self.mesh.facet_set(name) {
             return Ok(self.mesh.nodes_of_facets(facets));
         }
+        if let Ok(elements) = self.mesh.element_set(name) {
+            return Ok(self.mesh.nodes_of_elements(elements));
+        }
         let sets = self.mesh.node_sets().keys();
         Err(Fault::new(
             name.span(),
             Problem::NoSuchName {
-                what: "node or facet set",
+                what: "node, facet or element set",
                 name: name.to_string(),
-                available: sets.chain(self.mesh.facet_sets().keys()).cloned().collect(),
+                available: sets
+                    .chain(self.mesh.facet_sets().keys())
+                    .chain(self.mesh.element_sets().keys())
+                    .cloned()
+                    .collect(),
             },
         ))
     }

@@ -6,29 +6,28 @@ use super::Scene;
 use crate::Error;
 
 impl Scene {
-    /// The index of the part that each element belongs to.
+    /// The index of the part that each element belongs to; bars may belong to none and are then left
+    /// out of the model.
     ///
     /// # Errors
-    /// A set that does not exist; an element of no part, or of several.
-    pub fn part_of_elements(&self) -> Result<Vec<usize>, Error> {
-        const NONE: usize = usize::MAX;
-        let mut owner = vec![NONE; self.mesh.element_count()];
-        let tag = |element: usize| self.mesh.element_tags()[element];
+    /// A set that does not exist; a solid of no part, an element of several.
+    pub fn part_of_elements(&self) -> Result<Vec<Option<usize>>, Error> {
+        let mut owner = vec![None; self.mesh.element_count()];
+        let counted = |element: u32, count: usize| Error::PartCount {
+            element: self.mesh.element_tags()[element as usize],
+            count,
+        };
         for (index, part) in self.parts.iter().enumerate() {
             for &element in self.mesh.element_set(&part.set)? {
-                let place = &mut owner[element as usize];
-                if *place != NONE {
-                    let element = tag(element as usize);
-                    return Err(Error::PartCount { element, count: 2 });
+                if owner[element as usize].replace(index).is_some() {
+                    return Err(counted(element, 2));
                 }
-                *place = index;
             }
         }
-        match owner.iter().position(|&part| part == NONE) {
-            Some(element) => Err(Error::PartCount {
-                element: tag(element),
-                count: 0,
-            }),
+        let mut elements = 0..owner.len() as u32;
+        let forgotten = |&e: &u32| owner[e as usize].is_none() && self.mesh.kind(e).is_solid();
+        match elements.find(forgotten) {
+            Some(element) => Err(counted(element, 0)),
             None => Ok(owner),
         }
     }
@@ -52,7 +51,9 @@ impl Scene {
         let owner = self.part_of_elements()?;
         let facets = self.absorbing_facets()?;
         let behind = facets.iter().flat_map(|(_, facets)| facets.iter());
-        let mut behind: Vec<usize> = behind.map(|facet| owner[facet.element as usize]).collect();
+        let mut behind: Vec<usize> = behind
+            .filter_map(|facet| owner[facet.element as usize])
+            .collect();
         behind.sort_unstable();
         behind.dedup();
         Ok(behind)

@@ -54,7 +54,11 @@ impl Scene {
         let observed = Recordings::observe(&self.output, &self.mesh, &sources)?;
         if let Some(boundary) = &self.boundary {
             let facets = self.absorbing_facets()?;
-            let medium = |element: u32| self.parts[owner[element as usize]].material.medium();
+            let medium = |element: u32| {
+                let part = owner[element as usize];
+                let part = part.expect("facets belong to solids, and every solid to a part");
+                self.parts[part].material.medium()
+            };
             let field = self.field.as_deref();
             let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
             let parts = boundary.condition.build(&site);
