@@ -46,6 +46,53 @@ pub enum ContactError {
     /// A side, or a list of pairs, without nodes.
     #[error("the joint has no pairs")]
     Empty,
+    /// A pair whose directions are no unit vectors at right angles, or whose area is not positive.
+    #[error(
+        "the pair of the nodes with indices {first} and {second} (area {area} m2) needs a positive \
+         area and unit vectors at right angles"
+    )]
+    Pair {
+        /// Mesh index of one node.
+        first: u32,
+        /// Mesh index of the other.
+        second: u32,
+        /// The area (m2).
+        area: f64,
+    },
+    /// A static traction that the law does not admit.
+    #[error(
+        "the law does not admit the initial traction of the pair of the nodes with indices {first} \
+         and {second}: {normal:.4e} Pa across the joint (positive in tension), {shear:.4e} Pa along it"
+    )]
+    Preload {
+        /// Mesh index of one node.
+        first: u32,
+        /// Mesh index of the other.
+        second: u32,
+        /// Normal traction (Pa), positive in tension.
+        normal: f64,
+        /// Shear traction (Pa).
+        shear: f64,
+    },
+    /// An initial distance that cannot be.
+    #[error(
+        "the pair of the nodes with indices {first} and {second} cannot have an initial gap of {gap} \
+         m: it must not be negative, nor bonded across"
+    )]
+    Gap {
+        /// Mesh index of one node.
+        first: u32,
+        /// Mesh index of the other.
+        second: u32,
+        /// The distance (m).
+        gap: f64,
+    },
+    /// Two joints of one name.
+    #[error("two joints are named '{name}'")]
+    SameName {
+        /// The name.
+        name: String,
+    },
     /// A pair of a node with itself.
     #[error("the node with index {node} is paired with itself")]
     SelfPair {

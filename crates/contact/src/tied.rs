@@ -7,6 +7,7 @@ use powerhouse_model::{
 };
 
 use crate::ContactError;
+use crate::connected::connected_nodes;
 
 /// Holds the nodes of each pair together.
 ///
@@ -42,7 +43,7 @@ impl TiedPairs {
         if let Some([node, _]) = pairs.iter().find(|[i, j]| i == j) {
             return Err(ContactError::SelfPair { node: *node }.into());
         }
-        let groups = connected_groups(pairs);
+        let groups = connected_nodes(pairs);
         let mut nodes: Vec<u32> = groups.iter().flatten().copied().collect();
         nodes.sort_unstable();
         let place: BTreeMap<u32, u32> = nodes.iter().copied().zip(0..).collect();
@@ -63,29 +64,6 @@ impl TiedPairs {
     pub fn group_count(&self) -> usize {
         self.ends.len()
     }
-}
-
-/// The sets of nodes that pairs connect, each in rising order.
-fn connected_groups(pairs: &[[u32; 2]]) -> Vec<Vec<u32>> {
-    let mut neighbours: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for &[i, j] in pairs {
-        neighbours.entry(i).or_default().push(j);
-        neighbours.entry(j).or_default().push(i);
-    }
-    let mut groups = Vec::new();
-    while let Some((&start, _)) = neighbours.first_key_value() {
-        let mut group = Vec::new();
-        let mut open = vec![start];
-        while let Some(node) = open.pop() {
-            if let Some(next) = neighbours.remove(&node) {
-                group.push(node);
-                open.extend(next);
-            }
-        }
-        group.sort_unstable();
-        groups.push(group);
-    }
-    groups
 }
 
 impl Constraint for TiedPairs {

@@ -197,6 +197,14 @@ pub enum EngineError {
         /// Entries wanted.
         expected: usize,
     },
+    /// A state of a joint that the model does not have, or has with other pairs.
+    #[error("the model has no joint '{name}' of {pairs} pairs, of which the state tells")]
+    UnknownJoint {
+        /// The joint's name.
+        name: String,
+        /// How many pairs the state tells of.
+        pairs: usize,
+    },
     /// A number of threads that the system refuses.
     #[error("{threads} threads could not be started")]
     Threads {

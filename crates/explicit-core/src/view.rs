@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use powerhouse_model::{StepView, Stress, Vec3};
+use powerhouse_model::{JointView, StepView, Stress, Vec3};
 
 use crate::Model;
 use crate::nodes::{Storage, with_nodes};
@@ -68,6 +68,9 @@ impl StepView for View<'_> {
     }
     fn energies(&self) -> &[(&'static str, f64)] {
         self.energies
+    }
+    fn joints(&self) -> Vec<JointView<'_>> {
+        self.model.joints().collect()
     }
 }
 

@@ -1,6 +1,6 @@
-//! Joints and other conditions that correct a predicted motion.
+//! Conditions that correct a predicted motion.
 
-use crate::{Mat3, RunError, Vec3};
+use crate::{JointRecord, JointView, Mat3, RunError, Vec3};
 
 /// The motion that the integrator predicts without the constraint, at the constraint's own nodes.
 ///
@@ -79,57 +79,22 @@ pub trait Constraint: Send {
     fn name(&self) -> &str;
     /// Mesh indices of the nodes it reads and corrects, each at most once.
     fn nodes(&self) -> &[u32];
+    /// Told before the first step, and whenever the step (s) and with it the inverse effective
+    /// masses (1/kg, in the order of [`nodes`](Self::nodes)) change, so that what depends on them
+    /// alone is computed once.
+    fn prepare(&mut self, _step: f64, _inverse_mass: &[Mat3]) {}
     /// Corrects the predicted velocities.
     ///
     /// # Errors
     /// If the condition cannot be met within the constraint's own cap.
     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError>;
-}
-
-/// What a joint pair does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ContactState {
-    /// Bonded or stuck.
-    #[default]
-    Stick,
-    /// Sliding.
-    Slide,
-    /// Open.
-    Open,
-}
-
-/// The state of one joint pair.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct JointState {
-    /// What it does now.
-    pub contact: ContactState,
-    /// Whether its bond is broken.
-    pub broken: bool,
-    /// Accumulated slip (m).
-    pub slip: f64,
-}
-
-/// Which tractions a joint admits.
-///
-/// A pure function of the trial traction and the pair's state: it runs without a mesh. Normal
-/// components are positive in tension.
-/// ```
-/// use powerhouse_model::{ContactLaw, JointState, ParameterError, Vec3};
-/// /// Presses, never pulls, never rubs.
-/// struct Smooth;
-/// impl ContactLaw for Smooth {
-///     fn name(&self) -> &str { "smooth" }
-///     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-///         (Vec3::new(trial.x.min(0.0), 0.0, 0.0), *state)
-///     }
-/// }
-/// let (traction, _) = Smooth.admissible(Vec3::new(2.0, 1.0, 0.0), &JointState::default());
-/// assert_eq!(traction, Vec3::zeros());
-/// ```
-pub trait ContactLaw: Send + Sync {
-    /// The law's name in reports.
-    fn name(&self) -> &str;
-    /// The admissible traction (Pa: normal, two tangents) nearest to the one that would close the
-    /// gap and stop the slip, and the new state.
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState);
+    /// The joints that it consists of; none by default.
+    fn joints(&self) -> Vec<JointView<'_>> {
+        Vec::new()
+    }
+    /// Puts the pairs of a joint of this name into the state of an earlier run, in the order of
+    /// its view; says whether it has such a joint with so many pairs.
+    fn restore(&mut self, _name: &str, _records: &[JointRecord]) -> bool {
+        false
+    }
 }

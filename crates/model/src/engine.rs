@@ -1,6 +1,6 @@
 //! Time integration and observation.
 
-use crate::{ModelError, RunError, Stress, Vec3};
+use crate::{JointView, ModelError, RunError, Stress, Vec3};
 
 /// How mass-proportional damping enters a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,6 +200,10 @@ pub trait StepView {
     fn stress(&self, element: u32) -> Stress;
     /// Named energies (J), if the ledger is kept.
     fn energies(&self) -> &[(&'static str, f64)];
+    /// The joints of the body; none by default.
+    fn joints(&self) -> Vec<JointView<'_>> {
+        Vec::new()
+    }
 }
 
 /// Sees steps, writes or collects what it wants, may stop or fail the run.

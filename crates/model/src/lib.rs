@@ -24,6 +24,7 @@ mod element;
 mod engine;
 mod error;
 mod field;
+mod joint;
 mod lane;
 mod law;
 mod load;
@@ -37,9 +38,7 @@ pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, BuildBlock, ExtraBlock, NodalImpedance,
     SiteFace, SiteNode,
 };
-pub use constraint::{
-    Constraint, ConstraintWork, ContactLaw, ContactState, JointState, PredictedMotion,
-};
+pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
     LimitingTerm, Numbering, Operator,
@@ -50,6 +49,9 @@ pub use engine::{
 };
 pub use error::{ModelError, ParameterError, RunError};
 pub use field::{FieldMotion, FieldSampler, IncidentField};
+pub use joint::{
+    Bond, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView,
+};
 pub use lane::{Lane, Scalar};
 pub use law::{ConstitutiveLaw, HistoryVariable, LawInput, PointAdapter, PointLaw};
 pub use load::{NodalLoad, TimeFunction};

@@ -1,6 +1,6 @@
 //! The state of a body, in the user's numbering.
 
-use crate::{Stress, Vec3};
+use crate::{JointHistory, Stress, Vec3};
 
 /// One named history variable of one element set.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +33,8 @@ pub struct State {
     pub initial_stress: Vec<Stress>,
     /// History variables of the laws.
     pub history: Vec<HistoryField>,
+    /// What has become of joints.
+    pub joints: Vec<JointHistory>,
 }
 
 impl State {

@@ -153,6 +153,12 @@ impl Model {
             }
         }
         with_nodes!(&mut self.nodes, arrays => arrays.set_coefficients(&gain, &decay));
+        for bound in &mut self.constraints {
+            for (inverse, &group) in bound.inverse_mass.iter_mut().zip(&bound.groups) {
+                *inverse = self.groups.coefficients[group as usize].inverse;
+            }
+            bound.constraint.prepare(step, &bound.inverse_mass);
+        }
     }
 
     /// Predicts the velocity of the groups.
@@ -186,7 +192,6 @@ impl Model {
                 let group = group as usize;
                 bound.previous[i] = groups.motion.previous[group];
                 bound.velocity[i] = groups.motion.next[group];
-                bound.inverse_mass[i] = groups.coefficients[group].inverse;
             }
             if ledger.is_some() {
                 bound.predicted.clone_from(&bound.velocity);

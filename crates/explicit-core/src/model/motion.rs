@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use powerhouse_model::{HistoryField, ModelError, Quad, State, Stress, Vec3};
+use powerhouse_model::{
+    HistoryField, JointHistory, JointView, ModelError, Quad, State, Stress, Vec3,
+};
 
 use super::Model;
 use crate::EngineError;
@@ -148,6 +150,11 @@ impl Model {
         }
     }
 
+    /// The joints of the constraints.
+    pub fn joints(&self) -> impl Iterator<Item = JointView<'_>> {
+        (self.constraints.iter()).flat_map(|bound| bound.constraint.joints())
+    }
+
     /// Everything that another model of the same mesh needs to go on, in the mesh's numbering;
     /// additional nodes of boundaries follow those of the mesh.
     pub fn state(&mut self) -> State {
@@ -174,6 +181,13 @@ impl Model {
             spring_origin,
             initial_stress: self.initial_stress.clone(),
             history: merged(self.blocks.iter().map(|b| (b.label(), b.history()))),
+            joints: self
+                .joints()
+                .map(|joint| JointHistory {
+                    name: joint.name.into(),
+                    records: joint.records.to_vec(),
+                })
+                .collect(),
         }
     }
 
@@ -181,7 +195,7 @@ impl Model {
     /// bits as if it had never been interrupted.
     ///
     /// # Errors
-    /// As [`set_initial`](Self::set_initial).
+    /// As [`set_initial`](Self::set_initial), and [`EngineError::UnknownJoint`].
     pub fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
         let elements = self.mesh.element_count();
         if !(state.initial_stress.is_empty() || state.initial_stress.len() == elements) {
@@ -207,6 +221,18 @@ impl Model {
                     .filter_map(|&e| state.initial_stress.get(e as usize).copied())
                     .collect();
                 block.set_initial_stress(&stress);
+            }
+        }
+        for joint in &state.joints {
+            let mut constraints = self.constraints.iter_mut();
+            let found =
+                constraints.any(|bound| bound.constraint.restore(&joint.name, &joint.records));
+            if !found {
+                return Err(EngineError::UnknownJoint {
+                    name: joint.name.clone(),
+                    pairs: joint.records.len(),
+                }
+                .into());
             }
         }
         let places = places_of(&state.history, elements);

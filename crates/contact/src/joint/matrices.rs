@@ -1,0 +1,131 @@
+//! The matrices of a group of connected pairs.
+
+use nalgebra::{DMatrix, DVector};
+
+/// How the relative velocities of a group's pairs answer to impulses on them, with the pairs that
+/// are held eliminated.
+///
+/// In components along the normals and tangents of the pairs, the relative velocities are
+/// `r - G p` for impulses `p` (N s). Held pairs have none, which gives their impulses
+/// `p_h = H r_h - C^T p_f` with `H` the inverse of `G_hh` and `C = G_fh H`, and what the others obey:
+/// `q - S p_f` with `q = r_f - C r_h` and `S = G_ff - C G_hf`.
+#[derive(Clone, Debug)]
+pub(super) struct Matrices {
+    /// Which pairs are held.
+    pub(super) held: Vec<bool>,
+    /// Rows of the held pairs, and of the others.
+    held_rows: Vec<usize>,
+    free_rows: Vec<usize>,
+    /// `H`.
+    inverse: DMatrix<f64>,
+    /// `C`.
+    carry: DMatrix<f64>,
+    /// `S`.
+    pub(super) schur: DMatrix<f64>,
+    /// For each free pair the greatest eigenvalue of the tangential part of its own block of `S`.
+    pub(super) tangential: Vec<f64>,
+    /// For each free pair how much its shear moves its normal.
+    pub(super) mixed: Vec<f64>,
+}
+
+impl Matrices {
+    /// Eliminates the held pairs from `G`.
+    pub(super) fn new(coupling: &DMatrix<f64>, held: &[bool]) -> Self {
+        let rows = |wanted: bool| -> Vec<usize> {
+            let of_kind = (0..held.len()).filter(|&pair| held[pair] == wanted);
+            of_kind.flat_map(|pair| 3 * pair..3 * pair + 3).collect()
+        };
+        let (held_rows, free_rows) = (rows(true), rows(false));
+        let part = |rows: &[usize], columns: &[usize]| {
+            DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
+                coupling[(rows[i], columns[j])]
+            })
+        };
+        let inverse = pseudo_inverse(&part(&held_rows, &held_rows));
+        let carry = part(&free_rows, &held_rows) * &inverse;
+        let schur = part(&free_rows, &free_rows) - &carry * part(&held_rows, &free_rows);
+        let firsts = || (0..free_rows.len()).step_by(3);
+        let tangential = firsts().map(|i| greatest_tangential(&schur, i)).collect();
+        let mixed = firsts()
+            .map(|i| schur[(i, i + 1)].hypot(schur[(i, i + 2)]))
+            .collect();
+        Self {
+            held: held.to_vec(),
+            held_rows,
+            free_rows,
+            inverse,
+            carry,
+            schur,
+            tangential,
+            mixed,
+        }
+    }
+
+    /// `q` from `r`.
+    pub(super) fn free_excess(&self, excess: &DVector<f64>) -> DVector<f64> {
+        let free = excess.select_rows(&self.free_rows);
+        if self.held_rows.is_empty() {
+            return free;
+        }
+        free - &self.carry * excess.select_rows(&self.held_rows)
+    }
+
+    /// Writes all impulses: those of the free pairs, and those of the held ones that follow.
+    pub(super) fn complete(
+        &self,
+        excess: &DVector<f64>,
+        free: &DVector<f64>,
+        impulses: &mut DVector<f64>,
+    ) {
+        let held = &self.inverse * excess.select_rows(&self.held_rows) - self.carry.tr_mul(free);
+        for (&row, &impulse) in self.held_rows.iter().zip(held.iter()) {
+            impulses[row] = impulse;
+        }
+        for (&row, &impulse) in self.free_rows.iter().zip(free.iter()) {
+            impulses[row] = impulse;
+        }
+    }
+
+    /// The values of the free pairs.
+    pub(super) fn free_part(&self, values: &DVector<f64>) -> DVector<f64> {
+        values.select_rows(&self.free_rows)
+    }
+}
+
+/// The greatest eigenvalue of the two tangential rows of a pair's block.
+fn greatest_tangential(schur: &DMatrix<f64>, first: usize) -> f64 {
+    let (i, j) = (first + 1, first + 2);
+    let (a, b, c) = (schur[(i, i)], schur[(j, j)], schur[(i, j)]);
+    0.5 * (a + b) + (0.25 * (a - b) * (a - b) + c * c).sqrt()
+}
+
+/// The inverse of a symmetric positive semi-definite matrix on its range.
+///
+/// Rows are scaled to a unit diagonal first, so that masses of very different size do not look like
+/// a lost rank. Of the impulses of a closed ring of pairs, which are not unique, this takes those
+/// with the least sum of `G_ii p_i^2`.
+fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = matrix.nrows();
+    let scale = DVector::from_fn(count, |i, _| {
+        let diagonal = matrix[(i, i)];
+        if diagonal > 0.0 {
+            1.0 / diagonal.sqrt()
+        } else {
+            0.0
+        }
+    });
+    let scaled = |from: &DMatrix<f64>| {
+        DMatrix::from_fn(count, count, |i, j| from[(i, j)] * scale[i] * scale[j])
+    };
+    if count == 0 {
+        return matrix.clone();
+    }
+    let eigen = scaled(matrix).symmetric_eigen();
+    let mut inverse = DMatrix::zeros(count, count);
+    for (value, vector) in (eigen.eigenvalues.iter()).zip(eigen.eigenvectors.column_iter()) {
+        if *value > 1e-12 {
+            inverse.ger(1.0 / value, &vector, &vector, 1.0);
+        }
+    }
+    scaled(&inverse)
+}

@@ -1,0 +1,408 @@
+//! A joint: pairs, a law, and what has become of them.
+
+mod account;
+mod group;
+mod isolated;
+mod matrices;
+mod solve;
+
+use powerhouse_model::{
+    Bond, Constraint, ConstraintWork, ContactLaw, ContactState, JointPair, JointRecord, JointState,
+    JointView, Mat3, ModelError, PredictedMotion, RunError, Vec3,
+};
+
+use crate::ContactError;
+use crate::connected::connected_pairs;
+use group::Group;
+use isolated::{IsolatedPair, isotropic};
+use solve::Effort;
+
+/// What a pair starts with beside its geometry.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    /// Distance of the sides without displacement (m).
+    gap: f64,
+    /// Traction in the static state that displacements are counted from (Pa), local.
+    preload: Vec3,
+}
+
+/// One joint of a constraint.
+#[derive(Clone, Debug)]
+struct Section<L> {
+    name: String,
+    law: L,
+    /// Where its pairs end.
+    end: usize,
+    /// Where its isolated pairs end.
+    isolated_end: usize,
+}
+
+/// The law of each pair.
+struct Laws<'a, L>(&'a [Section<L>]);
+
+impl<L> Laws<'_, L> {
+    fn of(&self, pair: usize) -> &L {
+        let place = self.0.partition_point(|section| section.end <= pair);
+        &self.0[place].law
+    }
+}
+
+/// Node pairs across a joint, and the law of their tractions.
+///
+/// In every step the engine predicts velocities without the joint; the joint finds for each pair the
+/// force that would close its gap and stop its slip (Wang, Chen & Xiao 2019, Eqs. 18 to 21), lets
+/// the law cut it down, and changes the velocities by what is left. Nothing is penalised and the
+/// stable step does not change.
+///
+/// Displacements are small: normals and tributary areas stay those of the start. Distances count
+/// from the start, too: a small initial distance of the two nodes of a pair is none unless
+/// [`with_gaps`](Self::with_gaps) says so.
+///
+/// ```
+/// use powerhouse_contact::{BondedCoulomb, Joint};
+/// use powerhouse_model::{Constraint, JointPair, Mat3, PredictedMotion, Vec3};
+/// // A mass of 2 kg on the ground, pressed by 20 N and pushed by 13 N, with friction 0.5.
+/// let pair = JointPair::new([0, 1], Vec3::z(), 1.0);
+/// let mut joint = Joint::new("base", vec![pair], BondedCoulomb::unbonded(0.5, 0.5)?)?;
+/// let (step, inverse_mass) = (1e-3, [Mat3::zeros(), Mat3::identity() / 2.0]);
+/// let (rest, mut velocity) = ([Vec3::zeros(); 2], [Vec3::zeros(), Vec3::new(6.5, 0.0, -10.0) * step]);
+/// let motion = PredictedMotion::new((0, 0.0, step), &rest, &rest, &mut velocity, &inverse_mass);
+/// joint.correct(motion)?;
+/// // (13 N - 0.5 * 20 N) / 2 kg during one step.
+/// assert!((velocity[1] - Vec3::new(1.5, 0.0, 0.0) * step).norm() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Joint<L> {
+    name: String,
+    sections: Vec<Section<L>>,
+    /// Mesh indices, each once.
+    nodes: Vec<u32>,
+    pairs: Vec<JointPair>,
+    sides: Vec<Side>,
+    records: Vec<JointRecord>,
+    /// Places of the pairs' nodes in `nodes`.
+    places: Vec<[u32; 2]>,
+    /// Pairs that nodes connect.
+    connected: Vec<Vec<u32>>,
+    isolated: Vec<IsolatedPair>,
+    groups: Vec<Group>,
+    effort: Effort,
+    /// Whether it has seen a step or was restored.
+    started: bool,
+    /// The step (s) that it is prepared for.
+    prepared: Option<f64>,
+}
+
+impl<L: ContactLaw> Joint<L> {
+    /// A joint of these pairs in the initial state of the law.
+    ///
+    /// # Errors
+    /// [`ContactError::Empty`], [`ContactError::SelfPair`] or [`ContactError::Pair`], as the refusal
+    /// of a model's part.
+    pub fn new(name: impl Into<String>, pairs: Vec<JointPair>, law: L) -> Result<Self, ModelError> {
+        if pairs.is_empty() {
+            return Err(ContactError::Empty.into());
+        }
+        for pair in &pairs {
+            let [first, second] = pair.nodes;
+            if first == second {
+                return Err(ContactError::SelfPair { node: first }.into());
+            }
+            let unit = |v: &Vec3| (v.norm_squared() - 1.0).abs() < 1e-9;
+            let square = pair.normal.dot(&pair.tangent).abs() < 1e-9;
+            let sound = pair.area.is_finite() && pair.area > 0.0;
+            if !(sound && square && unit(&pair.normal) && unit(&pair.tangent)) {
+                let area = pair.area;
+                return Err(ContactError::Pair {
+                    first,
+                    second,
+                    area,
+                }
+                .into());
+            }
+        }
+        let record = JointRecord {
+            state: law.initial(),
+            ..JointRecord::default()
+        };
+        let name = name.into();
+        Ok(Self::assemble(
+            vec![Section {
+                name: name.clone(),
+                law,
+                end: pairs.len(),
+                isolated_end: 0,
+            }],
+            name,
+            vec![Side::default(); pairs.len()],
+            vec![record; pairs.len()],
+            pairs,
+        ))
+    }
+
+    fn assemble(
+        sections: Vec<Section<L>>,
+        name: String,
+        sides: Vec<Side>,
+        records: Vec<JointRecord>,
+        pairs: Vec<JointPair>,
+    ) -> Self {
+        let of_pairs: Vec<[u32; 2]> = pairs.iter().map(|pair| pair.nodes).collect();
+        let mut nodes: Vec<u32> = of_pairs.iter().flatten().copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let place = |node: u32| nodes.partition_point(|&other| other < node) as u32;
+        Self {
+            places: of_pairs.iter().map(|pair| pair.map(place)).collect(),
+            connected: connected_pairs(&of_pairs),
+            name,
+            sections,
+            nodes,
+            pairs,
+            sides,
+            records,
+            isolated: Vec::new(),
+            groups: Vec::new(),
+            effort: Effort::default(),
+            started: false,
+            prepared: None,
+        }
+    }
+
+    /// Several joints as one constraint: joints that share nodes, such as those that meet at a line,
+    /// have to be solved together. Each keeps its name, law and records. With laws of different
+    /// types `L` is `Box<dyn ContactLaw>`.
+    ///
+    /// # Errors
+    /// [`ContactError::Empty`] for no joints, [`ContactError::SameName`].
+    pub fn join(joints: Vec<Self>) -> Result<Self, ModelError> {
+        let (mut sections, mut pairs) = (Vec::<Section<L>>::new(), Vec::new());
+        let (mut sides, mut records) = (Vec::new(), Vec::new());
+        for joint in joints {
+            for section in joint.sections {
+                if sections.iter().any(|other| other.name == section.name) {
+                    return Err(ContactError::SameName { name: section.name }.into());
+                }
+                let end = section.end + pairs.len();
+                sections.push(Section { end, ..section });
+            }
+            pairs.extend(joint.pairs);
+            sides.extend(joint.sides);
+            records.extend(joint.records);
+        }
+        let names: Vec<&str> = sections
+            .iter()
+            .map(|section| section.name.as_str())
+            .collect();
+        if names.is_empty() {
+            return Err(ContactError::Empty.into());
+        }
+        let name = names.join(" + ");
+        Ok(Self::assemble(sections, name, sides, records, pairs))
+    }
+
+    /// Sets the traction `sigma n` on the first side (Pa) in the static state from which
+    /// displacements are counted, for each pair. The law sees the sum of it and what the motion adds.
+    ///
+    /// # Errors
+    /// [`ContactError::Preload`] for one that the law does not admit.
+    pub fn with_preload(
+        mut self,
+        traction: impl Fn(&JointPair) -> Vec3,
+    ) -> Result<Self, ModelError> {
+        let laws = Laws(&self.sections);
+        for (index, (pair, side)) in self.pairs.iter().zip(&mut self.sides).enumerate() {
+            let preload = pair.to_local(&traction(pair));
+            let record = &mut self.records[index];
+            let (admitted, _) = laws.of(index).admissible(preload, &record.state);
+            // A NaN is refused here, too.
+            if admitted != preload {
+                let [first, second] = pair.nodes;
+                return Err(ContactError::Preload {
+                    first,
+                    second,
+                    normal: preload.x,
+                    shear: preload.y.hypot(preload.z),
+                }
+                .into());
+            }
+            side.preload = preload;
+            record.traction = preload;
+        }
+        Ok(self)
+    }
+
+    /// Sets the distance of the sides (m) in the state from which displacements are counted, for
+    /// each pair. A pair apart has no bond.
+    ///
+    /// # Errors
+    /// [`ContactError::Gap`] for one that is negative or not finite, or that the law would close by
+    /// pulling.
+    pub fn with_gaps(mut self, gap: impl Fn(&JointPair) -> f64) -> Result<Self, ModelError> {
+        let laws = Laws(&self.sections);
+        for (index, (pair, side)) in self.pairs.iter().zip(&mut self.sides).enumerate() {
+            let gap = gap(pair);
+            let apart = JointState {
+                contact: ContactState::Open,
+                bond: Bond::Never,
+                slip: 0.0,
+            };
+            let pulls = || laws.of(index).admissible(Vec3::x(), &apart).0.x > 0.0;
+            if !(gap.is_finite() && gap >= 0.0) || (gap > 0.0 && pulls()) {
+                let [first, second] = pair.nodes;
+                return Err(ContactError::Gap { first, second, gap }.into());
+            }
+            side.gap = gap;
+            if gap > 0.0 {
+                self.records[index].state = apart;
+            }
+        }
+        Ok(self)
+    }
+
+    /// Takes the bond from the pairs for which `unbonded` says so, as where a joint was cracked
+    /// before.
+    #[must_use]
+    pub fn without_bond(mut self, unbonded: impl Fn(&JointPair) -> bool) -> Self {
+        for (pair, record) in self.pairs.iter().zip(&mut self.records) {
+            if unbonded(pair) {
+                record.state.bond = Bond::Never;
+            }
+        }
+        self
+    }
+
+    /// The pairs.
+    pub fn pairs(&self) -> &[JointPair] {
+        &self.pairs
+    }
+    /// What has become of them.
+    pub fn records(&self) -> &[JointRecord] {
+        &self.records
+    }
+    /// How many pairs are corrected in one pass, each by itself, once masses are known.
+    pub fn isolated_count(&self) -> usize {
+        self.isolated.len()
+    }
+
+    /// The pairs start where they are.
+    fn anchor(&mut self, motion: &PredictedMotion) {
+        for (index, [first, second]) in self.places.iter().enumerate() {
+            let [first, second] = [first, second].map(|&node| motion.displacement[node as usize]);
+            let offset = self.pairs[index].to_local(&(second - first));
+            self.records[index].anchor = [offset.y, offset.z];
+        }
+        self.started = true;
+    }
+}
+
+impl<L: ContactLaw> Constraint for Joint<L> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    fn prepare(&mut self, step: f64, inverse_mass: &[Mat3]) {
+        self.prepared = Some(step);
+        self.isolated.clear();
+        self.groups.clear();
+        for connected in &self.connected {
+            let places: Vec<[u32; 2]> =
+                connected.iter().map(|&p| self.places[p as usize]).collect();
+            if let ([index], [nodes]) = (&connected[..], &places[..]) {
+                let [first, second] = nodes.map(|node| &inverse_mass[node as usize]);
+                if let (Some(first), Some(second)) = (isotropic(first), isotropic(second)) {
+                    if first + second > 0.0 {
+                        let area = self.pairs[*index as usize].area;
+                        let pair = IsolatedPair::new((*index, *nodes), area, [first, second], step);
+                        self.isolated.push(pair);
+                    }
+                    continue;
+                }
+            }
+            let mut group = Group::new(connected.clone(), places);
+            group.prepare(&self.pairs, inverse_mass);
+            self.groups.push(group);
+        }
+        self.isolated.sort_by_key(IsolatedPair::index);
+        for section in &mut self.sections {
+            let inside = |pair: &IsolatedPair| pair.index() < section.end;
+            section.isolated_end = self.isolated.partition_point(inside);
+        }
+    }
+
+    fn correct(&mut self, mut motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
+        if self.prepared != Some(motion.step) {
+            self.prepare(motion.step, motion.inverse_mass);
+        }
+        if !self.started {
+            self.anchor(&motion);
+        }
+        let mut work = ConstraintWork::default();
+        let mut start = 0;
+        for section in &self.sections {
+            let isolated = &self.isolated[start..section.isolated_end];
+            start = section.isolated_end;
+            let geometry = (&self.pairs[..], &self.sides[..]);
+            let records = &mut self.records;
+            let part = isolated::correct(&section.law, isolated, geometry, records, &mut motion);
+            work.friction += part.friction;
+            work.bond += part.bond;
+            work.impact += part.impact;
+            work.external += part.external;
+        }
+        let laws = Laws(&self.sections);
+        for group in &mut self.groups {
+            let geometry = (&self.pairs[..], &self.sides[..]);
+            let records = &mut self.records;
+            let effort = group.correct(&laws, geometry, records, &mut motion, &mut work);
+            let effort = effort.map_err(|left| RunError::Constraint {
+                name: self.name.clone(),
+                step: motion.number,
+                reason: format!(
+                    "{} connected pairs are not solved after {} sweeps: the last one changed an \
+                     impulse by {:.1e} of the largest",
+                    group.pair_count(),
+                    left.sweeps,
+                    left.residual
+                ),
+            })?;
+            self.effort.sweeps = self.effort.sweeps.max(effort.sweeps);
+            self.effort.residual = self.effort.residual.max(effort.residual);
+        }
+        Ok(work)
+    }
+
+    fn joints(&self) -> Vec<JointView<'_>> {
+        let mut start = 0;
+        let view = |section| {
+            let Section { name, law, end, .. }: &Section<L> = section;
+            let range = core::mem::replace(&mut start, *end)..*end;
+            JointView {
+                name,
+                law: law.name(),
+                pairs: &self.pairs[range.clone()],
+                records: &self.records[range],
+                most_sweeps: self.effort.sweeps,
+                worst_residual: self.effort.residual,
+            }
+        };
+        self.sections.iter().map(view).collect()
+    }
+
+    fn restore(&mut self, name: &str, records: &[JointRecord]) -> bool {
+        let mut start = 0;
+        for section in &self.sections {
+            let range = core::mem::replace(&mut start, section.end)..section.end;
+            if section.name == name && range.len() == records.len() {
+                self.records[range].copy_from_slice(records);
+                self.started = true;
+                return true;
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,150 @@
+//! A brittle bond, then friction.
+
+use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, ParameterError, Vec3};
+
+use super::{check_friction, check_strength, opened, shear, with_shear};
+
+/// Parameters of [`BondedCoulomb`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BondedCoulombParameters {
+    /// Cohesion of the bond `c` (Pa), possibly infinite.
+    pub cohesion: f64,
+    /// Tensile strength of the bond `ft` (Pa), possibly infinite. More than the envelope's apex
+    /// `c / mu_s` is never reached.
+    pub tensile_strength: f64,
+    /// Static friction coefficient `mu_s`.
+    pub static_friction: f64,
+    /// Dynamic friction coefficient `mu_d`, at most `mu_s`.
+    pub dynamic_friction: f64,
+    /// Whether slip destroys the bond. If not, cohesion acts along with friction while the pair
+    /// slides, and only a tensile crack destroys it.
+    pub cohesion_loss: bool,
+}
+
+/// A bond that breaks for good, then Coulomb friction with a static and a dynamic coefficient.
+///
+/// For a trial traction with normal part `n` (positive in tension) and shear `s`:
+///
+/// - *Bonded*: the trial is carried if `n <= ft` and `norm(s) <= c - mu n`, the envelope of Mohr
+///   and Coulomb with a tension cut-off. Beyond it the bond breaks, `c = ft = 0` from then on.
+/// - *Not bonded*: no tension, `n > 0` opens the pair. Under pressure it sticks if
+///   `norm(s) <= -mu n`, else it slides with `norm(t) = -mu_d n` along `s`.
+///
+/// `mu` is `mu_s` as long as the pair stuck before and `mu_d` if it slid or was open: it re-sticks
+/// when the stick trial is within `mu_d N` and slips again past `mu_s N`.
+///
+/// Wang, Chen & Xiao (2019) have the same parameters (Table 1) but drop the shear of a bond in
+/// tension, Eq. (23), and have no memory of slip; see [`Paper`](crate::Paper).
+///
+/// ```
+/// use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters};
+/// use powerhouse_model::{Bond, ContactLaw, Vec3};
+/// let law = BondedCoulomb::new(BondedCoulombParameters {
+///     cohesion: 1.0e6,
+///     tensile_strength: 0.5e6,
+///     static_friction: 0.8,
+///     dynamic_friction: 0.6,
+///     cohesion_loss: true,
+/// })?;
+/// let (traction, state) = law.admissible(Vec3::new(-1.0e6, 2.0e6, 0.0), &law.initial());
+/// assert_eq!(traction, Vec3::new(-1.0e6, 0.6e6, 0.0));
+/// assert_eq!(state.bond, Bond::Broken);
+/// # Ok::<(), powerhouse_model::ParameterError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BondedCoulomb(BondedCoulombParameters);
+
+impl BondedCoulomb {
+    /// The law with these parameters.
+    ///
+    /// # Errors
+    /// A negative parameter, or `mu_d > mu_s`.
+    pub fn new(parameters: BondedCoulombParameters) -> Result<Self, ParameterError> {
+        check_strength("cohesion", parameters.cohesion)?;
+        check_strength("tensile_strength", parameters.tensile_strength)?;
+        check_friction(parameters.static_friction, parameters.dynamic_friction)?;
+        Ok(Self(parameters))
+    }
+    /// Coulomb friction without a bond.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn unbonded(static_friction: f64, dynamic_friction: f64) -> Result<Self, ParameterError> {
+        Self::new(BondedCoulombParameters {
+            cohesion: 0.0,
+            tensile_strength: 0.0,
+            static_friction,
+            dynamic_friction,
+            cohesion_loss: true,
+        })
+    }
+    /// Its parameters.
+    pub fn parameters(&self) -> &BondedCoulombParameters {
+        &self.0
+    }
+
+    /// Cohesion and tensile strength in force (Pa).
+    #[inline(always)]
+    fn strengths(&self, bond: Bond) -> (f64, f64) {
+        match bond {
+            Bond::Intact => (self.0.cohesion, self.0.tensile_strength),
+            Bond::Never | Bond::Broken => (0.0, 0.0),
+        }
+    }
+}
+
+impl ContactLaw for BondedCoulomb {
+    fn name(&self) -> &str {
+        "bonded-coulomb"
+    }
+    fn initial(&self) -> JointState {
+        let bonded = self.0.cohesion > 0.0 || self.0.tensile_strength > 0.0;
+        let bond = if bonded { Bond::Intact } else { Bond::Never };
+        JointState {
+            bond,
+            ..JointState::default()
+        }
+    }
+    #[inline(always)]
+    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
+        let law = &self.0;
+        let normal = trial.x;
+        let (cohesion, tensile_strength) = self.strengths(state.bond);
+        let broken = match state.bond {
+            Bond::Never => Bond::Never,
+            Bond::Intact | Bond::Broken => Bond::Broken,
+        };
+        if normal > tensile_strength {
+            return opened(broken, state);
+        }
+        let friction = match state.contact {
+            ContactState::Stick => law.static_friction,
+            ContactState::Slide | ContactState::Open => law.dynamic_friction,
+        };
+        let shear = shear(&trial);
+        if shear <= cohesion - friction * normal {
+            let contact = ContactState::Stick;
+            return (trial, JointState { contact, ..*state });
+        }
+        let bond = if law.cohesion_loss {
+            broken
+        } else {
+            state.bond
+        };
+        if normal > 0.0 && bond != Bond::Intact {
+            return opened(bond, state);
+        }
+        let slid = JointState {
+            contact: ContactState::Slide,
+            bond,
+            ..*state
+        };
+        let strength = self.sliding_strength(normal, &slid);
+        (with_shear(normal, &trial, shear, strength), slid)
+    }
+    #[inline(always)]
+    fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
+        let (cohesion, _) = self.strengths(state.bond);
+        (cohesion - self.0.dynamic_friction * normal).max(0.0)
+    }
+}

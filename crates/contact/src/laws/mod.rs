@@ -1,0 +1,65 @@
+//! Laws of joints.
+
+mod bonded_coulomb;
+mod frictionless;
+mod paper;
+mod slip_weakening;
+mod tied;
+
+pub use bonded_coulomb::{BondedCoulomb, BondedCoulombParameters};
+pub use frictionless::Frictionless;
+pub use paper::{Paper, PaperParameters};
+pub use slip_weakening::{SlipWeakening, SlipWeakeningParameters};
+pub use tied::Tied;
+
+use powerhouse_model::{Bond, ContactState, JointState, ParameterError, Vec3};
+
+/// Length of the tangential part of a traction.
+#[inline(always)]
+fn shear(traction: &Vec3) -> f64 {
+    (traction.y * traction.y + traction.z * traction.z).sqrt()
+}
+
+/// A traction with a given normal part, and the shear of another one cut down to a strength.
+#[inline(always)]
+fn with_shear(normal: f64, trial: &Vec3, shear: f64, strength: f64) -> Vec3 {
+    let share = if shear > strength {
+        strength / shear
+    } else {
+        1.0
+    };
+    Vec3::new(normal, trial.y * share, trial.z * share)
+}
+
+/// No traction: the sides part.
+#[inline(always)]
+fn opened(bond: Bond, state: &JointState) -> (Vec3, JointState) {
+    let contact = ContactState::Open;
+    let state = JointState {
+        contact,
+        bond,
+        ..*state
+    };
+    (Vec3::zeros(), state)
+}
+
+/// Accepts a strength (Pa): not negative, possibly infinite.
+fn check_strength(name: &'static str, value: f64) -> Result<(), ParameterError> {
+    let (least, most) = (0.0, f64::INFINITY);
+    if value >= least {
+        return Ok(());
+    }
+    Err(ParameterError {
+        name,
+        value,
+        least,
+        most,
+    })
+}
+
+/// Accepts coefficients of static and dynamic friction: not negative, the second not above the
+/// first.
+fn check_friction(resting: f64, sliding: f64) -> Result<(), ParameterError> {
+    ParameterError::check("static_friction", resting, 0.0, f64::MAX)?;
+    ParameterError::check("dynamic_friction", sliding, 0.0, resting)
+}

@@ -1,0 +1,104 @@
+//! The states of Wang, Chen & Xiao (2019).
+
+use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, ParameterError, Vec3};
+
+use super::{check_friction, check_strength, opened, shear, with_shear};
+
+/// Parameters of [`Paper`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperParameters {
+    /// Initial cohesion `c` (Pa), possibly infinite.
+    pub cohesion: f64,
+    /// Tensile strength `sigma` (Pa), possibly infinite.
+    pub tensile_strength: f64,
+    /// Static friction coefficient `mu_s`; the paper gives none.
+    pub static_friction: f64,
+    /// Dynamic friction coefficient `mu_d`, at most `mu_s`; the paper gives none.
+    pub dynamic_friction: f64,
+}
+
+/// Wang, Chen & Xiao (2019), Eqs. (22) to (24), as printed.
+///
+/// For a trial traction with normal part `n` (positive in tension) and shear `s`:
+///
+/// | if | then | equation |
+/// |---|---|---|
+/// | `n > sigma` | `t = 0`: a crack | (22) |
+/// | `0 < n <= sigma` | the shear is dropped, `t = (n, 0)` | (23) |
+/// | `n <= 0`, `norm(s) > mu_s norm(n) + c` | `t = (n, mu_d norm(n) s / norm(s))`: slip | (24) |
+/// | `n <= 0`, otherwise | `t` is the trial: the pair sticks | |
+///
+/// A crack or slip sets `c = 0`. Nothing else is lost, as in the paper: whether a pair slid before
+/// makes no difference to the threshold `mu_s`, and a crack that has closed again carries tension
+/// up to `sigma` once more. Only while the pair is open is there none: the trial would close the gap
+/// by pulling. [`BondedCoulomb`](crate::BondedCoulomb) puts these points right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paper(PaperParameters);
+
+impl Paper {
+    /// The law with these parameters.
+    ///
+    /// # Errors
+    /// A negative parameter, or `mu_d > mu_s`.
+    pub fn new(parameters: PaperParameters) -> Result<Self, ParameterError> {
+        check_strength("cohesion", parameters.cohesion)?;
+        check_strength("tensile_strength", parameters.tensile_strength)?;
+        check_friction(parameters.static_friction, parameters.dynamic_friction)?;
+        Ok(Self(parameters))
+    }
+    /// Its parameters.
+    pub fn parameters(&self) -> &PaperParameters {
+        &self.0
+    }
+}
+
+impl ContactLaw for Paper {
+    fn name(&self) -> &str {
+        "paper"
+    }
+    fn initial(&self) -> JointState {
+        let bonded = self.0.cohesion > 0.0 || self.0.tensile_strength > 0.0;
+        let bond = if bonded { Bond::Intact } else { Bond::Never };
+        JointState {
+            bond,
+            ..JointState::default()
+        }
+    }
+    #[inline(always)]
+    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
+        let law = &self.0;
+        let normal = trial.x;
+        let after_failure = match state.bond {
+            Bond::Never => Bond::Never,
+            Bond::Intact | Bond::Broken => Bond::Broken,
+        };
+        if normal > 0.0 {
+            let carries = state.contact != ContactState::Open && normal <= law.tensile_strength;
+            if !carries {
+                return opened(after_failure, state);
+            }
+            let contact = ContactState::Slide;
+            let state = JointState { contact, ..*state };
+            return (Vec3::new(normal, 0.0, 0.0), state);
+        }
+        let shear = shear(&trial);
+        let cohesion = match state.bond {
+            Bond::Intact => law.cohesion,
+            Bond::Never | Bond::Broken => 0.0,
+        };
+        if shear <= law.static_friction * -normal + cohesion {
+            let contact = ContactState::Stick;
+            return (trial, JointState { contact, ..*state });
+        }
+        let slid = JointState {
+            contact: ContactState::Slide,
+            bond: after_failure,
+            ..*state
+        };
+        let strength = law.dynamic_friction * -normal;
+        (with_shear(normal, &trial, shear, strength), slid)
+    }
+    fn sliding_strength(&self, normal: f64, _state: &JointState) -> f64 {
+        self.0.dynamic_friction * (-normal).max(0.0)
+    }
+}

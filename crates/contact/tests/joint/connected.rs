@@ -1,0 +1,214 @@
+//! Pairs that share nodes: joints that meet at a line, corners.
+
+use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint, Tied};
+use powerhouse_model::{Bond, Constraint, ContactLaw, ContactState, JointPair, Vec3};
+
+use crate::{Bodies, Noise, oblique};
+
+/// Three bodies around a line, at 30, 150 and 270 degrees, their interfaces half-way between them.
+fn triple(law: impl ContactLaw + Clone) -> Joint<impl ContactLaw> {
+    let normal = |degrees: f64| {
+        let angle = degrees.to_radians();
+        Vec3::new(angle.cos(), angle.sin(), 0.0)
+    };
+    let pair = |nodes, degrees| vec![JointPair::new(nodes, normal(degrees), 1.0)];
+    let joint = |name, nodes, degrees| Joint::new(name, pair(nodes, degrees), law.clone()).unwrap();
+    Joint::join(vec![
+        joint("a-b", [0, 1], 180.0),
+        joint("b-c", [1, 2], 300.0),
+        joint("c-a", [2, 0], 60.0),
+    ])
+    .unwrap()
+}
+
+/// Three bonded bodies get their common velocity at once, to the last bit, for masses from 1e-6 to
+/// 1e6 of each other: no sweep, no drift.
+#[test]
+fn a_bonded_line_moves_as_one() {
+    for masses in [
+        [1.0, 1.0, 1.0],
+        [1.0, 1e-6, 1.0],
+        [1e6, 1.0, 1e6],
+        [1.0, 1e6, 1e-6],
+    ] {
+        let mut noise = Noise(23);
+        let mut bodies = Bodies::at_rest(&masses, 1e-3);
+        bodies.dashpot[1] = oblique(30.0);
+        let mut joint = triple(Tied);
+        for _ in 0..200 {
+            let force = [noise.vector(), noise.vector(), noise.vector()];
+            bodies
+                .step(&mut joint, |body| force[body] * masses[body])
+                .unwrap();
+            assert_eq!(bodies.velocity[0], bodies.velocity[1]);
+            assert_eq!(bodies.velocity[0], bodies.velocity[2]);
+        }
+        let scale = bodies.kinetic();
+        assert!(bodies.residual(0.0).abs() < 1e-10 * scale, "{masses:?}");
+        assert_eq!(joint.joints()[0].most_sweeps, 0);
+    }
+}
+
+/// At a line where three bodies rub, every pair obeys Coulomb's law and the balance closes.
+#[test]
+fn a_rubbing_line_obeys_every_pair() {
+    let law = BondedCoulomb::new(BondedCoulombParameters {
+        cohesion: 2.0,
+        tensile_strength: 1.0,
+        static_friction: 0.6,
+        dynamic_friction: 0.4,
+        cohesion_loss: true,
+    })
+    .unwrap();
+    let mut joint = triple(law);
+    let mut bodies = Bodies::at_rest(&[1.0, 2.0, 0.5], 0.01);
+    let mut noise = Noise(29);
+    let place = [30.0_f64, 150.0, 270.0].map(f64::to_radians);
+    let mut states = [0; 3];
+    for _ in 0..5_000 {
+        // Bodies are drawn to the line, and shaken.
+        let force: Vec<Vec3> = (0..3)
+            .map(|body| {
+                let outwards = Vec3::new(place[body].cos(), place[body].sin(), 0.0);
+                noise.vector() * 6.0 - outwards * 4.0 - bodies.displacement[body] * 20.0
+            })
+            .collect();
+        bodies.step(&mut joint, |body| force[body]).unwrap();
+        for (pair, record) in joint.pairs().iter().zip(joint.records()) {
+            let [first, second] = pair.nodes.map(|node| node as usize);
+            let after = pair.to_local(&(bodies.velocity[second] - bodies.velocity[first]));
+            let gap = pair
+                .to_local(&(bodies.displacement[second] - bodies.displacement[first]))
+                .x;
+            assert!(gap > -1e-9, "{gap}");
+            let traction = record.traction;
+            if record.state.bond == Bond::Intact {
+                assert!(after.norm() < 1e-9);
+                continue;
+            }
+            let (shear, strength) = (traction.y.hypot(traction.z), -0.6 * traction.x);
+            assert!(
+                traction.x <= 0.0 && shear <= strength * (1.0 + 1e-9),
+                "{traction}"
+            );
+            match record.state.contact {
+                ContactState::Stick => states[0] += 1,
+                ContactState::Slide => states[1] += 1,
+                ContactState::Open => {
+                    states[2] += 1;
+                    assert_eq!(traction.x, 0.0);
+                }
+            }
+        }
+    }
+    assert!(states.iter().all(|&count| count > 200), "{states:?}");
+    let spent = bodies.work.friction + bodies.work.impact;
+    assert!(spent > 0.0 && bodies.residual(0.0).abs() < 1e-9 * spent);
+    assert!(joint.joints()[0].worst_residual <= 1e-8);
+}
+
+/// The pairs of a line break one after the other: pulled body by body, only the bonds of that body
+/// break, though all three share its motion before.
+#[test]
+fn only_overloaded_bonds_of_a_line_break() {
+    let law = BondedCoulomb::new(BondedCoulombParameters {
+        cohesion: 1e9,
+        tensile_strength: 100.0,
+        static_friction: 0.6,
+        dynamic_friction: 0.4,
+        cohesion_loss: true,
+    })
+    .unwrap();
+    let mut joint = triple(law);
+    let mut bodies = Bodies::at_rest(&[1.0; 3], 1e-3);
+    let outwards = Vec3::new(30.0_f64.to_radians().cos(), 0.5, 0.0);
+    for number in 0..100 {
+        let pull = outwards * f64::from(number) * 10.0;
+        let others = -pull / 2.0;
+        bodies
+            .step(&mut joint, |body| if body == 0 { pull } else { others })
+            .unwrap();
+    }
+    let bonds: Vec<Bond> = joint
+        .records()
+        .iter()
+        .map(|record| record.state.bond)
+        .collect();
+    assert_eq!(bonds, [Bond::Broken, Bond::Intact, Bond::Broken]);
+    assert_eq!(bodies.velocity[1], bodies.velocity[2]);
+}
+
+/// Two pairs on the same two nodes, one for each face of a corner: the inner body can leave the
+/// corner along neither face's normal inwards, and slides along an edge that both faces share.
+#[test]
+fn a_corner_has_a_pair_for_each_face() {
+    let pairs = vec![
+        JointPair::new([0, 1], Vec3::x(), 1.0),
+        JointPair::new([0, 1], Vec3::y(), 1.0),
+    ];
+    let law = BondedCoulomb::unbonded(0.3, 0.3).unwrap();
+    let mut joint = Joint::new("corner", pairs, law).unwrap();
+    let mut bodies = Bodies::at_rest(&[1.0, 1.0], 1e-3);
+    bodies.fixed[0] = true;
+    // Pressed into the corner by 10 N on each face and pushed along the edge by 9 N, against
+    // friction of 3 N from each face.
+    let push = Vec3::new(-10.0, -10.0, 9.0);
+    for _ in 0..100 {
+        let force = |body: usize| if body == 0 { Vec3::zeros() } else { push };
+        bodies.step(&mut joint, force).unwrap();
+    }
+    let expected = Vec3::new(0.0, 0.0, 3.0 * 0.1);
+    assert!(
+        (bodies.velocity[1] - expected).norm() < 1e-9,
+        "{}",
+        bodies.velocity[1]
+    );
+}
+
+/// A joint with a law of each kind: what is joined keeps its names, laws and records apart, and a
+/// record that is put back lets it go on with the same bits.
+#[test]
+fn joined_joints_keep_their_records_apart() {
+    let boxed = |law: Box<dyn ContactLaw>, name: &str, nodes| {
+        Joint::new(name, vec![JointPair::new(nodes, Vec3::z(), 1.0)], law).unwrap()
+    };
+    let make = || {
+        let friction = BondedCoulomb::unbonded(0.2, 0.1).unwrap();
+        Joint::join(vec![
+            boxed(Box::new(friction), "lower", [0, 1]),
+            boxed(Box::new(Tied), "upper", [1, 2]),
+            boxed(Box::new(friction), "aside", [3, 4]),
+        ])
+        .unwrap()
+    };
+    let mut joint = make();
+    let mut bodies = Bodies::at_rest(&[1.0, 2.0, 3.0, 4.0, 5.0], 1e-3);
+    let force = |body: usize| Vec3::new(0.1 * body as f64, 0.0, 2.0 - body as f64);
+    for _ in 0..50 {
+        bodies.step(&mut joint, force).unwrap();
+    }
+    let names: Vec<_> = joint
+        .joints()
+        .iter()
+        .map(|view| (view.name.to_owned(), view.law.to_owned()))
+        .collect();
+    let expected = [
+        ("lower", "bonded-coulomb"),
+        ("upper", "tied"),
+        ("aside", "bonded-coulomb"),
+    ];
+    assert_eq!(names, expected.map(|(a, b)| (a.to_owned(), b.to_owned())));
+    assert_eq!(joint.isolated_count(), 1);
+
+    let (mut again, mut twin) = (make(), bodies.clone());
+    for view in joint.joints() {
+        assert!(again.restore(view.name, view.records));
+    }
+    assert!(!again.restore("lower", &[]) && !again.restore("none", joint.records()));
+    for _ in 0..50 {
+        bodies.step(&mut joint, force).unwrap();
+        twin.step(&mut again, force).unwrap();
+    }
+    assert_eq!(bodies.displacement, twin.displacement);
+    assert_eq!(joint.records(), again.records());
+}

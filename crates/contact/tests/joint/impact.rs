@@ -1,0 +1,64 @@
+//! Sides that meet and part.
+
+use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Frictionless, Joint};
+use powerhouse_model::{Bond, JointPair, Vec3};
+
+use crate::{Bodies, Noise};
+
+/// Two masses that meet stay together until they are pulled apart, and lose
+/// `m1 m2 / (m1 + m2) (v1 - v2)^2 / 2`, which is booked.
+#[test]
+fn the_loss_of_an_impact_is_booked() {
+    let pair = JointPair::new([0, 1], Vec3::x(), 1.0);
+    let mut joint = Joint::new("joint", vec![pair], Frictionless).unwrap();
+    let mut bodies = Bodies::at_rest(&[2.0, 6.0], 1e-3);
+    bodies.velocity = vec![Vec3::x() * 3.0, -Vec3::x()];
+    let initial = bodies.kinetic();
+    bodies.step(&mut joint, |_| Vec3::zeros()).unwrap();
+    assert_eq!(bodies.velocity, [Vec3::zeros(); 2]);
+    let expected = 0.5 * 1.5 * 16.0;
+    assert!((bodies.work.impact - expected).abs() < 1e-14 * expected);
+    assert!(bodies.residual(initial).abs() < 1e-14 * initial);
+}
+
+/// Under random forces a bond breaks and the sides part, meet, slide and stick many times; energies
+/// close to rounding, friction and impact never give energy in the whole, and no overlap outlasts
+/// its step.
+#[test]
+fn the_balance_of_a_rattling_pair_closes() {
+    let pair = JointPair::new([0, 1], Vec3::new(0.3, 0.5, 1.0), 0.7);
+    let law = BondedCoulomb::new(BondedCoulombParameters {
+        cohesion: 3.0,
+        tensile_strength: 2.0,
+        static_friction: 0.7,
+        dynamic_friction: 0.5,
+        cohesion_loss: true,
+    })
+    .unwrap();
+    for preload in [0.0, 0.4] {
+        let joint = Joint::new("joint", vec![pair], law).unwrap();
+        let mut joint = joint.with_preload(|pair| -pair.normal * preload).unwrap();
+        let mut bodies = Bodies::at_rest(&[1.0, 3.0], 0.01);
+        let mut noise = Noise(11);
+        let mut opened = 0;
+        for _ in 0..20_000 {
+            let offset = bodies.displacement[1] - bodies.displacement[0];
+            let force = noise.vector() * 8.0 - offset * 20.0;
+            let sign = |body: usize| 2.0 * body as f64 - 1.0;
+            bodies.step(&mut joint, |body| force * sign(body)).unwrap();
+            let gap = (bodies.displacement[1] - bodies.displacement[0]).dot(&pair.normal);
+            assert!(gap > -1e-13, "{gap}");
+            opened += u32::from(gap > 1e-6);
+        }
+        let record = &joint.records()[0];
+        assert!(opened > 100, "{opened}");
+        assert!(record.state.bond == Bond::Broken && record.first_crack.is_some());
+        assert!(record.friction > 0.0 && record.impact > 0.0 && record.first_slip.is_some());
+        assert!((record.friction - bodies.work.friction).abs() < 1e-12 * record.friction);
+        assert!(
+            bodies.residual(0.0).abs() < 1e-12 * bodies.work.impact,
+            "{bodies:?}"
+        );
+        assert_eq!(bodies.work.external == 0.0, preload == 0.0);
+    }
+}

@@ -1,0 +1,163 @@
+//! Isolated pairs: closing, sticking, what is refused.
+
+use powerhouse_contact::{BondedCoulomb, Frictionless, Joint, Tied};
+use powerhouse_model::{Bond, Constraint, ContactState, JointPair, Mat3, Vec3};
+
+use crate::{Bodies, Noise, oblique};
+
+fn inclined() -> JointPair {
+    JointPair::new([0, 1], Vec3::new(0.2, -0.7, 0.4), 0.3)
+}
+
+/// A bonded pair closes a gap and stops all relative motion at once and to rounding, and keeps the
+/// sum of effective mass times velocity, for mass ratios from 1e-6 to 1e6, with and without a dashpot
+/// at an angle.
+#[test]
+fn a_bonded_pair_closes_for_any_mass_ratio() {
+    for dashpot in [0.0, 4.0e3] {
+        for ratio in [1e-6, 1e-3, 0.5, 1.0, 7.0, 1e3, 1e6] {
+            let mut noise = Noise(7);
+            let mut bodies = Bodies::at_rest(&[3.0, 3.0 * ratio], 1e-3);
+            bodies.dashpot[1] = oblique(dashpot * ratio);
+            bodies.velocity = vec![noise.vector(), noise.vector()];
+            let mut joint = Joint::new("tie", vec![inclined()], Tied).unwrap();
+            // One step apart, along the normal alone: a stuck pair keeps its tangential offset.
+            bodies.displacement[1] = inclined().normal * 1e-3;
+            let momentum =
+                |b: &Bodies| b.effective(0) * b.velocity[0] + b.effective(1) * b.velocity[1];
+            let free = bodies.clone();
+            bodies.step(&mut joint, |_| Vec3::zeros()).unwrap();
+            let gap = bodies.displacement[1] - bodies.displacement[0];
+            assert!(gap.norm() < 1e-17, "{ratio}: {gap}");
+            // The dashpot takes its part of the momentum in the prediction.
+            let old = Mat3::identity() * free.mass[1] - free.dashpot[1] * (0.5 * free.step);
+            let before = free.effective(0) * free.velocity[0] + old * free.velocity[1];
+            let scale = free.effective(0).amax() + free.effective(1).amax();
+            assert!(
+                (momentum(&bodies) - before).norm() < 1e-14 * scale,
+                "{ratio} {dashpot}"
+            );
+        }
+    }
+}
+
+/// Sides that move as one from the start have the same velocity to the last bit for ever.
+#[test]
+fn a_stuck_pair_never_drifts() {
+    for dashpot in [0.0, 50.0] {
+        let mut noise = Noise(3);
+        let mut bodies = Bodies::at_rest(&[2.0, 5.0], 1e-3);
+        bodies.dashpot[0] = oblique(dashpot);
+        let mut joint = Joint::new("tie", vec![inclined()], Tied).unwrap();
+        let mut most = 0.0_f64;
+        for _ in 0..1000 {
+            let force = [noise.vector(), noise.vector()];
+            bodies.step(&mut joint, |body| force[body]).unwrap();
+            assert_eq!(bodies.velocity[0], bodies.velocity[1]);
+            most = most.max(bodies.kinetic());
+        }
+        assert_eq!(bodies.displacement[0], bodies.displacement[1]);
+        assert!(bodies.residual(0.0).abs() < 1e-13 * most);
+    }
+}
+
+/// A held side holds the other and is not moved, and two held sides are left alone.
+#[test]
+fn held_sides_stay_where_they_are() {
+    let mut bodies = Bodies::at_rest(&[2.0, 3.0], 1e-3);
+    bodies.fixed[0] = true;
+    let mut joint = Joint::new("tie", vec![inclined()], Tied).unwrap();
+    let pull = |body: usize| Vec3::repeat(body as f64);
+    bodies.step(&mut joint, pull).unwrap();
+    assert_eq!(bodies.velocity, [Vec3::zeros(); 2]);
+    let pressure = -3.0_f64.sqrt().powi(2) / 0.3;
+    assert!((joint.records()[0].traction.norm() + pressure * 3.0_f64.sqrt() / 3.0).abs() < 1e-12);
+
+    bodies.fixed[1] = true;
+    let mut joint = Joint::new("tie", vec![inclined()], Tied).unwrap();
+    let moved = |body: usize| Vec3::repeat(1.0 + body as f64);
+    bodies.step(&mut joint, moved).unwrap();
+    assert_eq!(bodies.velocity, [moved(0), moved(1)]);
+    assert_eq!(joint.isolated_count(), 0);
+}
+
+/// An initial gap must be closed before anything is felt; then the sides stop each other there.
+#[test]
+fn a_gap_is_closed_before_anything_is_felt() {
+    let pair = JointPair::new([0, 1], Vec3::z(), 1.0);
+    let joint = Joint::new("gap", vec![pair], Frictionless).unwrap();
+    let mut joint = joint.with_gaps(|_| 2.5e-3).unwrap();
+    let mut bodies = Bodies::at_rest(&[1.0, 1.0], 1e-3);
+    bodies.fixed[0] = true;
+    bodies.velocity[1] = -Vec3::z();
+    for velocity in [-1.0, -1.0, -0.5] {
+        assert_eq!(joint.records()[0].state.contact, ContactState::Open);
+        bodies.step(&mut joint, |_| Vec3::zeros()).unwrap();
+        assert!((bodies.velocity[1].z - velocity).abs() < 1e-15);
+    }
+    assert!((bodies.displacement[1].z + 2.5e-3).abs() < 1e-18);
+    assert_eq!(joint.records()[0].state.contact, ContactState::Slide);
+    assert!((joint.records()[0].peak_opening - 2.5e-3).abs() < 1e-18);
+}
+
+/// A preload acts before any motion: it is carried by the static state, so that a pair at rest
+/// stays at rest, and a pair that opens or slides is moved by its release.
+#[test]
+fn a_preload_is_part_of_the_traction() {
+    let pair = JointPair::new([0, 1], Vec3::z(), 2.0);
+    let law = BondedCoulomb::unbonded(0.5, 0.4).unwrap();
+    let preload = Vec3::new(0.0, 40.0, -100.0);
+    let joint = || {
+        Joint::new("joint", vec![pair], law)
+            .unwrap()
+            .with_preload(|_| preload)
+    };
+    let mut still = joint().unwrap();
+    let mut bodies = Bodies::at_rest(&[1.0, 1.0], 1e-3);
+    bodies.step(&mut still, |_| Vec3::zeros()).unwrap();
+    assert_eq!(bodies.velocity, [Vec3::zeros(); 2]);
+    assert_eq!(still.records()[0].traction, pair.to_local(&preload));
+
+    // Pulled apart by more than the preload, it opens: the release of the preload moves the sides
+    // together, so that they part under what is left.
+    let mut open = joint().unwrap();
+    let pull = |body: usize| Vec3::z() * (201.0 * (2.0 * body as f64 - 1.0));
+    bodies.step(&mut open, pull).unwrap();
+    assert_eq!(open.records()[0].traction, Vec3::zeros());
+    let expected = Vec3::new(0.0, 80.0, 201.0 - 200.0) * 1e-3;
+    assert!(
+        (bodies.velocity[1] - expected).norm() < 1e-14,
+        "{}",
+        bodies.velocity[1]
+    );
+    assert!(bodies.residual(0.0).abs() < 1e-14);
+
+    let error = Joint::new("joint", vec![pair], law)
+        .unwrap()
+        .with_preload(|_| Vec3::new(0.0, 60.0, -100.0))
+        .unwrap_err();
+    assert!(error.to_string().contains("does not admit"), "{error}");
+}
+
+/// What a joint cannot be made of is refused before a run.
+#[test]
+fn senseless_joints_are_refused() {
+    let refused = |pairs: Vec<JointPair>| Joint::new("joint", pairs, Tied).unwrap_err().to_string();
+    assert!(refused(Vec::new()).contains("no pairs"));
+    assert!(refused(vec![JointPair::new([4, 4], Vec3::z(), 1.0)]).contains("index 4"));
+    for pair in [
+        JointPair::new([0, 1], Vec3::zeros(), 1.0),
+        JointPair::new([0, 1], Vec3::z(), 0.0),
+        JointPair::new([0, 1], Vec3::z(), f64::NAN),
+    ] {
+        assert!(refused(vec![pair]).contains("area"));
+    }
+    let pair = || vec![inclined()];
+    let tied = Joint::new("joint", pair(), Tied).unwrap();
+    assert!(tied.clone().with_gaps(|_| 1e-3).is_err());
+    assert!(tied.clone().with_gaps(|_| -1e-3).is_err());
+    assert!(Joint::join(vec![tied.clone(), tied.clone()]).is_err());
+    let unbonded = tied.without_bond(|_| true);
+    assert_eq!(unbonded.records()[0].state.bond, Bond::Never);
+    assert_eq!(unbonded.joints()[0].law, "tied");
+}
