@@ -50,7 +50,7 @@
 //!
 //! *Blocks are compact, their inside is banded.* Sets are bisected into compact blocks, because
 //! every node between blocks costs a slot: 1.2 slots per node at 2048 elements, where cutting along
-//! the reverse Cuthill-McKee order costs 2.0. Inside a block elements and nodes keep that order, so
+//! the reverse Cuthill-McKee order costs 2.0. Larger meshes get larger blocks. Inside a block elements and nodes keep that order, so
 //! that the elements of one batch of lanes read neighbouring nodes.
 //!
 //! *Kick and drift share a pass.* The kick of the nodes that have nothing but a mass waits for the

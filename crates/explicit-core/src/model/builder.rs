@@ -38,9 +38,12 @@ impl From<Vec<u32>> for ElementChoice {
     }
 }
 
-/// Elements per block: large enough that few nodes lie between blocks, small enough that a block's
-/// forces stay in the second-level cache and that every thread finds work.
-const DEFAULT_PART: usize = 2048;
+/// Elements per block. Large blocks have few nodes between them: on 132,651 distorted bricks and one
+/// thread a step takes 0.87 of the time at 16,384 elements that it takes at 2048. Small ones leave
+/// work for every thread.
+const PART_SIZES: core::ops::RangeInclusive<usize> = 2048..=16_384;
+/// Blocks that a mesh is cut into, as far as [`PART_SIZES`] permits.
+const PARTS: usize = 16;
 
 /// Collects what a [`Model`] is made of; all of it is checked in [`build`](Self::build).
 pub struct ModelBuilder<'a> {
@@ -54,7 +57,7 @@ pub struct ModelBuilder<'a> {
     boundaries: Vec<BoundaryParts>,
     constraints: Vec<Box<dyn Constraint>>,
     threads: Option<usize>,
-    part_size: usize,
+    part_size: Option<usize>,
 }
 
 impl<'a> ModelBuilder<'a> {
@@ -70,7 +73,7 @@ impl<'a> ModelBuilder<'a> {
             boundaries: Vec::new(),
             constraints: Vec::new(),
             threads: None,
-            part_size: DEFAULT_PART,
+            part_size: None,
         }
     }
     /// Elements, by set or by mesh index, and what computes them. Every element of the mesh must
@@ -133,10 +136,11 @@ impl<'a> ModelBuilder<'a> {
         self.threads = Some(threads);
         self
     }
-    /// Elements per block, at least one. Bits of results depend on it.
+    /// Elements per block, at least one, instead of a sixteenth of the mesh (2048 to 16,384). Bits of
+    /// results depend on it.
     #[must_use]
     pub fn part_size(mut self, elements: usize) -> Self {
-        self.part_size = elements.max(1);
+        self.part_size = Some(elements.max(1));
         self
     }
 
@@ -152,7 +156,11 @@ impl<'a> ModelBuilder<'a> {
         };
         let mesh = self.mesh;
         let precision = coarsest(&self.sets)?;
-        let (mut numbering, mut blocks) = build_blocks(mesh, &self.sets, self.part_size)?;
+        let part_size = self.part_size.unwrap_or_else(|| {
+            let share = mesh.element_count() / PARTS;
+            share.clamp(*PART_SIZES.start(), *PART_SIZES.end())
+        });
+        let (mut numbering, mut blocks) = build_blocks(mesh, &self.sets, part_size)?;
         let place_of_element = places(mesh, &blocks);
         let mut boundary_loads = Vec::new();
         let mut impedance = Vec::new();
