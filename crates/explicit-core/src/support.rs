@@ -37,7 +37,8 @@ impl Support {
             held: Held::Direction(normal),
         }
     }
-    pub(crate) fn nodes(&self) -> &[u32] {
+    /// The nodes that are held (mesh indices).
+    pub fn nodes(&self) -> &[u32] {
         &self.nodes
     }
     pub(crate) fn directions(&self) -> Result<Vec<Vec3>, EngineError> {

@@ -43,6 +43,46 @@ pub enum Error {
         /// The element's kind.
         kind: &'static str,
     },
+    /// A body at rest in a field that moves already.
+    #[error(
+        "the body starts at rest at t = {time} s, when '{field}' already stands at {level:.1e} of its peak"
+    )]
+    NotAtRest {
+        /// The field's name.
+        field: String,
+        /// Displacement or velocity then, over its peak.
+        level: f64,
+        /// The start (s).
+        time: f64,
+    },
+    /// A free field of one medium in front of another.
+    #[error(
+        "the medium at node {node} of the absorbing faces is not that of the field '{field}' ({count} such nodes)"
+    )]
+    ForeignMedium {
+        /// The field's name.
+        field: String,
+        /// The user's number of the first such node.
+        node: u64,
+        /// How many there are.
+        count: usize,
+    },
+    /// A field that moves nothing.
+    #[error("the field '{field}' moves nothing: {reason}")]
+    UnusedField {
+        /// The field's name.
+        field: String,
+        /// What is lacking.
+        reason: &'static str,
+    },
+    /// A facet inside the body among the absorbing ones.
+    #[error("the absorbing face '{face}' runs through the body at element {element}")]
+    InnerFacet {
+        /// The face.
+        face: String,
+        /// The user's number of the element.
+        element: u64,
+    },
     /// A start from the field's motion, and no field.
     #[error("the run is to start from the field's motion, but the scene has no field")]
     NoField,

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use powerhouse_model::Vec3;
 use powerhouse_wavefield::{BaselineReport, QuietStart, RecordReport};
 
 /// Something that a user should know of a scene.
@@ -24,16 +25,36 @@ pub enum Remark {
         /// What was taken differently.
         doubt: String,
     },
-    /// A wave was delayed and tapered so that the body may start at rest.
+    /// All waves were delayed alike, and those past the critical angle tapered, so that the body
+    /// may start at rest.
     QuietStart {
-        /// The field's name.
-        wave: String,
-        /// What it took.
-        start: QuietStart,
+        /// By how much all waves arrive later (s).
+        padding: f64,
+        /// The waves that needed it, and what each would have needed alone.
+        waves: Vec<(String, QuietStart)>,
     },
-    /// A full space without an absorbing boundary on top, where the stress of its waves does not
-    /// vanish.
-    OpenTop,
+    /// A side of the mesh, its top aside, that neither absorbs nor is held: waves are reflected
+    /// there.
+    OpenSide {
+        /// The side, as boxes of bricks name it.
+        side: &'static str,
+        /// Its open area (m2).
+        area: f64,
+    },
+    /// A free surface beside the absorbing faces on which the field has stress: the field's own
+    /// surface lies elsewhere, or it has none.
+    LoadedSurface {
+        /// The largest traction of the field there over the shear impedance times the peak of its
+        /// velocity.
+        share: f64,
+        /// Where it is largest (m).
+        position: Vec3,
+    },
+    /// Nothing says where the structure is, from which springs take their distance.
+    Scatterer {
+        /// Where it was taken to be (m).
+        position: Vec3,
+    },
     /// A damped part touches an absorbing face, behind which the free field is elastic.
     DampedRim {
         /// The part's set.
@@ -45,8 +66,11 @@ impl Remark {
     /// Whether it is a doubt about the result, not only a fact.
     pub fn is_warning(&self) -> bool {
         match self {
-            Self::DampedRim { .. } | Self::RecordFile { .. } | Self::OpenTop => true,
-            Self::Record { .. } | Self::QuietStart { .. } => false,
+            Self::DampedRim { .. }
+            | Self::RecordFile { .. }
+            | Self::OpenSide { .. }
+            | Self::LoadedSurface { .. } => true,
+            Self::Record { .. } | Self::QuietStart { .. } | Self::Scatterer { .. } => false,
         }
     }
 }
@@ -81,16 +105,38 @@ impl fmt::Display for Remark {
                 Ok(())
             }
             Self::RecordFile { name, doubt } => write!(f, "record '{name}': {doubt}"),
-            Self::QuietStart { wave, start } => write!(
+            Self::QuietStart { padding, waves } => {
+                write!(
+                    f,
+                    "all waves arrive {padding:.3} s later so that the body may start at rest"
+                )?;
+                for (wave, start) in waves {
+                    write!(
+                        f,
+                        "; {wave} needs {:.3} s, starts at {:.1e} of its peak or less and lost {:.1e} of it to a taper",
+                        start.padding,
+                        start.level.largest(),
+                        start.removed
+                    )?;
+                }
+                Ok(())
+            }
+            Self::OpenSide { side, area } => write!(
                 f,
-                "{wave}: arrives {:.3} s later so that the body may start at rest; the field then stands at {:.1e} of its peak, {:.1e} of it was tapered away",
-                start.padding,
-                start.level.largest(),
-                start.removed
+                "{area:.4} m2 on the {side} of the mesh neither absorb nor are held: waves are reflected there"
             ),
-            Self::OpenTop => write!(
+            Self::LoadedSurface { share, position } => write!(
                 f,
-                "the waves travel in a full space, but the top of the mesh has no absorbing boundary: their stress does not vanish there"
+                "the free surface at ({:.3}, {:.3}, {:.3}) m would carry {:.1} % of the field's stress: the field's own surface lies elsewhere, or it has none",
+                position.x,
+                position.y,
+                position.z,
+                100.0 * share
+            ),
+            Self::Scatterer { position } => write!(
+                f,
+                "springs take their distance from ({:.3}, {:.3}, {:.3}) m, the middle of the parts that touch no absorbing face",
+                position.x, position.y, position.z
             ),
             Self::DampedRim { set } => write!(
                 f,

@@ -1,6 +1,5 @@
 //! A model ready to run, and its run.
 
-use core::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -10,7 +9,7 @@ use powerhouse_explicit_core::{Model, Progress, RunOptions, StableStep, StepChoi
 use powerhouse_model::{Cadence, IncidentField, Mesh, ModelError, Observer, TimeIntegrator};
 
 use crate::output::{OutputPlan, Recordings, Results};
-use crate::scene::{TimeStep, field_motion, placed};
+use crate::scene::{Places, TimeStep, field_motion};
 use crate::{Error, Remark, SceneText};
 
 /// Told after every step where a run stands.
@@ -38,8 +37,8 @@ pub struct Simulation {
     integrator: Box<dyn TimeIntegrator>,
     step: TimeStep,
     duration: f64,
-    /// The scene's file, and where its step stands.
-    source: (Option<Arc<SceneText>>, Range<usize>),
+    /// The scene's file, and what stands where in it.
+    source: (Option<Arc<SceneText>>, Places),
     /// The field whose motion the body starts with.
     initial: Option<Arc<dyn IncidentField>>,
     plan: OutputPlan,
@@ -51,7 +50,7 @@ impl Simulation {
     pub(crate) fn new(
         (title, mesh, model): (String, Arc<Mesh>, Model),
         (integrator, step, duration): (Box<dyn TimeIntegrator>, TimeStep, f64),
-        source: (Option<Arc<SceneText>>, Range<usize>),
+        source: (Option<Arc<SceneText>>, Places),
         initial: Option<Arc<dyn IncidentField>>,
         (plan, observed): (OutputPlan, (Recordings, Vec<Box<dyn Observer>>)),
         remarks: Vec<Remark>,
@@ -105,7 +104,8 @@ impl Simulation {
     /// # Errors
     /// If the scheme is unstable at every step under the scene's damping.
     pub fn stable_step(&mut self) -> Result<StableStep, Error> {
-        Ok(self.model.stable_step(self.integrator.as_ref())?)
+        let stable = self.model.stable_step(self.integrator.as_ref());
+        stable.map_err(|error| self.source.1.put(&self.source.0, error.into()))
     }
     /// The step that a run takes (s).
     ///
@@ -116,10 +116,9 @@ impl Simulation {
             TimeStep::OfStable(share) => Ok(share * self.stable_step()?.step),
             TimeStep::Seconds(step) => {
                 let limits = self.model.frequency_limits();
-                match self.integrator.check(&limits, step) {
-                    Ok(()) => Ok(step),
-                    Err(error) => Err(placed(&self.source.0, self.source.1.clone(), error)),
-                }
+                let checked = self.integrator.check(&limits, step);
+                checked.map_err(|error| self.source.1.put(&self.source.0, error.into()))?;
+                Ok(step)
             }
         }
     }

@@ -149,12 +149,12 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let resolution = resolution(&scene)?;
     let mut warnings = shape_warnings(&scene, &quality)?;
     warnings.extend(unresolved(&scene, &resolution));
-    let remarks = scene.remarks().to_vec();
-    let doubts = remarks.iter().filter(|remark| remark.is_warning());
-    warnings.extend(doubts.cloned().map(Warning::Remark));
     let output = cost::output(scene.output_plan(), &mesh, scene.run_duration());
 
     let mut simulation = scene.prepare()?;
+    let remarks = simulation.remarks().to_vec();
+    let doubts = remarks.iter().filter(|remark| remark.is_warning());
+    warnings.extend(doubts.cloned().map(Warning::Remark));
     let stable = simulation.stable_step()?;
     let step = simulation.step()?;
     let steps = (simulation.duration() / step).ceil() as u64 + 1;

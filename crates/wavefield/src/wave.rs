@@ -243,6 +243,13 @@ impl PlaneWave {
         &self.waves
     }
 
+    /// The same wave, later by a time (s), with the taper that it has. Several waves keep their
+    /// order in time if all are delayed alike.
+    #[must_use]
+    pub fn later(&self, time: f64) -> Self {
+        self.delayed(time, self.taper)
+    }
+
     /// The same wave, later.
     pub(crate) fn delayed(&self, time: f64, taper: Option<StartTaper>) -> Self {
         let mut later = self.clone();

@@ -86,8 +86,8 @@ pub enum Place {
     Spot(Spot),
     /// A node, by the user's number.
     Node(u64),
-    /// The mean over the nodes of a node set, or of the facets of a facet set if there is no node
-    /// set of that name.
+    /// The mean over the nodes of a node set; of a facet set if there is no such node set, or of an
+    /// element set if there is neither.
     NodeSet(String),
 }
 
@@ -226,12 +226,17 @@ pub(super) fn elements(
     Ok(elements)
 }
 
-/// The nodes of a node set, or else of a facet set.
+/// The nodes of a node set, or else of a facet set, or else of an element set.
 fn nodes_of_set<'m>(mesh: &'m Mesh, set: &str) -> Result<Cow<'m, [u32]>, ObserveError> {
-    match (mesh.node_set(set), mesh.facet_set(set)) {
-        (Ok(nodes), _) => Ok(nodes.into()),
-        (Err(_), Ok(facets)) => Ok(mesh.nodes_of_facets(facets).into()),
-        (Err(error), Err(_)) => Err(error.into()),
+    match (
+        mesh.node_set(set),
+        mesh.facet_set(set),
+        mesh.element_set(set),
+    ) {
+        (Ok(nodes), ..) => Ok(nodes.into()),
+        (_, Ok(facets), _) => Ok(mesh.nodes_of_facets(facets).into()),
+        (.., Ok(elements)) => Ok(mesh.nodes_of_elements(elements).into()),
+        (Err(error), ..) => Err(error.into()),
     }
 }
 

@@ -184,10 +184,10 @@ pub struct Wave {
     /// A test pulse.
     pub pulse: Option<At<Pulse>>,
     /// When the record's t = 0 arrives at the reference point (s), 0 by default.
-    pub arrival: Option<Finite>,
+    pub arrival: Option<At<Finite>>,
     /// The point where it arrives then (m). By default the corner of the mesh's box that the wave
     /// hits first.
-    pub reference: Option<[Finite; 3]>,
+    pub reference: Option<At<[Finite; 3]>>,
     /// Multiplies the motion, 1 by default.
     pub factor: Option<Finite>,
 }

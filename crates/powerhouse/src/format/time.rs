@@ -16,10 +16,10 @@ pub struct Time {
     /// How long the run lasts (s).
     pub duration: Positive,
     /// The time at which it starts (s), 0 by default; records arrive as their waves say.
-    pub start: Option<Finite>,
+    pub start: Option<At<Finite>>,
     /// The body's motion at the start.
     #[serde(default)]
-    pub initial: InitialMotion,
+    pub initial: At<InitialMotion>,
     /// The time step: `"auto"` (the largest stable one times `safety`) or a number (s). A number
     /// above the stable step is refused.
     #[serde(default)]
@@ -29,7 +29,7 @@ pub struct Time {
     pub safety: Option<Share>,
     /// The integration scheme.
     #[serde(default)]
-    pub scheme: Scheme,
+    pub scheme: At<Scheme>,
 }
 
 /// The time step.

@@ -1,143 +1,21 @@
-//! Records, waves and the field that they make.
+//! Waves and the field that they make.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
-    Angle, BaselineCorrection, BaselineReport, EndDisplacement, HarmonicBurst, InputConvention,
-    PlaneWave, PlaneWaveParameters, QuietStartLimits, RecordReport, Ricker, RickerQuantity, Signal,
-    Site, SmoothPulse, Superposition, SurfaceComponent, TimeHistory, WaveError, WaveKind,
-    ZeroMeanPulse, first_hit_corner,
+    Angle, EndDisplacement, HarmonicBurst, PlaneWave, PlaneWaveParameters, QuietStart,
+    QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, Superposition, WaveError,
+    WaveKind, ZeroMeanPulse, first_hit_corner,
 };
 
-use super::{named, unique, vector};
-use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{
-    self, Azimuth, Baseline, Component, Convention, Finite, NonNegative, Positive, Pulse,
-    SceneFile, Share, Space, Wave,
-};
-use crate::scene::InitialMotion;
+use super::record::PreparedRecord;
+use super::{named, vector};
+use crate::fault::{Fault, Problem};
+use crate::format::{self, At, Azimuth, Finite, Positive, Pulse, SceneFile, Space, Wave};
+use crate::scene::{InitialMotion, NOT_AT_REST, box_corners};
 use crate::{Error, Remark, Scene};
-
-/// What lies within this share of the mesh's diagonal below the highest point is its top.
-const TOP_TOLERANCE: f64 = 1e-6;
-
-/// A record ready to drive waves.
-pub(super) struct PreparedRecord {
-    pub(super) history: TimeHistory,
-    /// Lasting displacement (m).
-    end: f64,
-    convention: InputConvention,
-    /// Time that the record gained before its former start (s).
-    lead: f64,
-    /// Where its convention stands in the scene file.
-    place: core::ops::Range<usize>,
-    pub(super) report: RecordReport,
-    pub(super) baseline: Option<BaselineReport>,
-    /// What was taken differently from what the file declares.
-    pub(super) doubts: Vec<String>,
-}
-
-/// Reads and treats all records, by name.
-pub(super) fn records(
-    text: &SceneText,
-    file: &SceneFile,
-) -> Result<BTreeMap<String, PreparedRecord>, Fault> {
-    let mut records = BTreeMap::new();
-    for table in &file.records {
-        let record = record(text, table)?;
-        unique("record", &table.name, &mut records, record)?;
-    }
-    Ok(records)
-}
-
-fn record(text: &SceneText, table: &format::Record) -> Result<PreparedRecord, Fault> {
-    let name = table.name.span();
-    let (mut history, doubts) = super::record::read(text, table)?;
-    if let Some(cut) = &table.cut {
-        let taper = table.taper.map_or(0.0, NonNegative::get);
-        history = cut_out(&history, cut.map(NonNegative::get), taper)
-            .map_err(|error| Fault::refused(cut.span(), error))?;
-    }
-    let mut baseline = None;
-    let correction = correction(&table.baseline);
-    if correction != BaselineCorrection::None {
-        let (corrected, report) = history
-            .corrected(correction)
-            .map_err(|error| Fault::refused(table.baseline.span(), error))?;
-        (history, baseline) = (corrected, Some(report));
-    }
-    if let Some(peak) = table.peak {
-        history = history
-            .scaled_to_peak(peak.get())
-            .map_err(|error| Fault::refused(name.clone(), error))?;
-    }
-    let end = table.end_displacement.map_or(0.0, Finite::get);
-    // A record that does not come to rest is refused here, where its name stands.
-    let signal = history.clone().into_signal(EndDisplacement::Declared(end));
-    let report = signal
-        .map_err(|error| Fault::refused(name, error))?
-        .report();
-    Ok(PreparedRecord {
-        history,
-        end,
-        convention: convention(&table.convention),
-        lead: baseline.map_or(0.0, |report| report.leading_pad),
-        place: table.convention.span(),
-        report,
-        baseline,
-        doubts,
-    })
-}
-
-/// The part of a history between two times (s).
-fn cut_out(
-    history: &TimeHistory,
-    [start, end]: [f64; 2],
-    taper: f64,
-) -> Result<TimeHistory, WaveError> {
-    let first = (start / history.step()).round() as usize;
-    let samples = history.acceleration();
-    let from_start = samples.get(first..).unwrap_or_default().to_vec();
-    TimeHistory::new(history.step(), from_start)?.first(end - start, taper)
-}
-
-fn correction(baseline: &Baseline) -> BaselineCorrection {
-    match *baseline {
-        Baseline::None => BaselineCorrection::None,
-        Baseline::Mean {} => BaselineCorrection::Mean,
-        Baseline::AccelerationPolynomial { order } => {
-            BaselineCorrection::AccelerationPolynomial { order }
-        }
-        Baseline::LeastVelocity { order } => BaselineCorrection::LeastVelocity { order },
-        Baseline::VelocityPolynomial { order } => BaselineCorrection::VelocityPolynomial { order },
-        Baseline::HighPass { corner, order } => BaselineCorrection::HighPass {
-            corner: corner.get(),
-            order,
-        },
-    }
-}
-
-fn convention(convention: &Convention) -> InputConvention {
-    let surface = InputConvention::SurfaceComponent;
-    match convention {
-        Convention::Incident => InputConvention::Incident,
-        Convention::Outcrop => InputConvention::Outcrop,
-        Convention::SurfaceX => surface(SurfaceComponent::X),
-        Convention::SurfaceY => surface(SurfaceComponent::Y),
-        Convention::SurfaceZ => surface(SurfaceComponent::Z),
-        Convention::Within(within) => InputConvention::Within {
-            depth: within.depth.get(),
-            component: match within.component {
-                Component::X => SurfaceComponent::X,
-                Component::Y => SurfaceComponent::Y,
-                Component::Z => SurfaceComponent::Z,
-            },
-            regularisation: within.regularisation.map_or(0.05, Share::get),
-        },
-    }
-}
 
 /// The sum of all waves, in the medium behind the absorbing faces.
 pub(super) fn field(
@@ -145,7 +23,7 @@ pub(super) fn field(
     scene: &mut Scene,
     records: &BTreeMap<String, PreparedRecord>,
 ) -> Result<Option<Arc<dyn IncidentField>>, Fault> {
-    let (Some(first), Some(section)) = (file.waves.first(), &file.boundary) else {
+    let (Some(first), Some(_)) = (file.waves.first(), &file.boundary) else {
         return match file.waves.first() {
             // A wave needs a boundary to come in through.
             Some(wave) => {
@@ -158,30 +36,16 @@ pub(super) fn field(
             None => Ok(None),
         };
     };
-    let faces = section
-        .faces
-        .first()
-        .map_or(section.kind.span(), |face| face.span());
+    let faces = scene.places.faces.clone();
     let refused = |error: Error| Fault::refused(faces.clone(), error);
     let media = scene.media_behind_boundary().map_err(refused)?;
     let &[medium] = &media[..] else {
         let count = media.len();
         return Err(Fault::new(faces, Problem::SeveralMedia { count }));
     };
-    for part in scene.parts_behind_boundary().map_err(refused)? {
-        let part = &scene.parts[part];
-        if part.damping != Default::default() {
-            scene.remarks.push(Remark::DampedRim {
-                set: part.set.clone(),
-            });
-        }
-    }
     let (low, high) = scene.mesh.bounding_box();
-    if file.ground.space == Space::FullSpace && !absorbs_on_top(scene).map_err(refused)? {
-        scene.remarks.push(Remark::OpenTop);
-    }
     let surface = file.ground.surface.as_ref().map_or(high.z, |at| at.get());
-    let mut fields: Vec<Box<dyn IncidentField>> = Vec::new();
+    let mut waves = Vec::with_capacity(file.waves.len());
     for table in &file.waves {
         let mut parameters = PlaneWaveParameters::vertical(
             match table.kind {
@@ -201,22 +65,15 @@ pub(super) fn field(
             Some(reference) => vector(reference),
             None => first_hit_corner(&low, &high, &parameters.direction()),
         };
-        parameters.arrival = table.arrival.map_or(0.0, Finite::get);
-        let wave = plane_wave(table, parameters, records)?;
-        fields.push(Box::new(quiet(wave, (low, high), table, scene)?));
+        parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
+        waves.push(plane_wave(table, parameters, records)?);
     }
-    let sum = Superposition::new(fields)
+    let waves = quiet(waves, &file.waves, (low, high), scene)?;
+    let fields = waves.into_iter();
+    let fields = fields.map(|wave| Box::new(wave) as Box<dyn IncidentField>);
+    let sum = Superposition::new(fields.collect())
         .map_err(|error| Fault::refused(first.incidence.span(), error))?;
     Ok(Some(Arc::new(sum)))
-}
-
-/// Whether an absorbing face covers a part of the top of the mesh's box.
-fn absorbs_on_top(scene: &Scene) -> Result<bool, Error> {
-    let (low, high) = scene.mesh.bounding_box();
-    let top = high.z - TOP_TOLERANCE * (high - low).norm();
-    let faces = scene.absorbing_facets()?;
-    let mut facets = faces.iter().flat_map(|(_, facets)| facets.iter());
-    Ok(facets.any(|&facet| scene.mesh.facet_geometry(facet).centroid.z >= top))
 }
 
 fn plane_wave(
@@ -299,35 +156,80 @@ fn pulse(pulse: &Pulse, factor: f64) -> Result<Arc<dyn Signal>, WaveError> {
     })
 }
 
-/// A body at rest needs a field at rest: past the critical angle the field begins before the
-/// record does, so it is delayed and tapered.
+/// A body at rest needs a field at rest. What begins before its record does (past the critical angle,
+/// inside a filter's lead, or before the motion within the ground that it explains) comes later and
+/// is tapered, and all waves come later with it. A wave that the scene itself lets arrive before the
+/// start is refused.
 fn quiet(
-    wave: PlaneWave,
+    waves: Vec<PlaneWave>,
+    tables: &[Wave],
     (low, high): (Vec3, Vec3),
-    table: &Wave,
     scene: &mut Scene,
-) -> Result<PlaneWave, Fault> {
-    if wave.is_causal() || scene.initial == InitialMotion::Field {
-        return Ok(wave);
+) -> Result<Vec<PlaneWave>, Fault> {
+    if scene.initial == InitialMotion::Field {
+        return Ok(waves);
     }
-    let corners: Vec<Vec3> = (0..8)
-        .map(|corner| {
-            let pick = |axis: usize| {
-                if corner >> axis & 1 == 0 {
-                    low[axis]
-                } else {
-                    high[axis]
-                }
-            };
-            Vec3::new(pick(0), pick(1), pick(2))
-        })
-        .collect();
-    let (wave, start) = wave
-        .with_quiet_start(&corners, scene.start, &QuietStartLimits::default())
-        .map_err(|error: ModelError| Fault::refused(table.incidence.span(), error))?;
-    scene.remarks.push(Remark::QuietStart {
-        wave: wave.name().to_owned(),
-        start,
-    });
-    Ok(wave)
+    let limits = QuietStartLimits::default();
+    let mut quiet = Vec::with_capacity(waves.len());
+    for (wave, table) in waves.into_iter().zip(tables) {
+        let refused = |error: ModelError| Fault::refused(table.incidence.span(), error);
+        let top = match wave.parameters().site {
+            Site::HalfSpace { surface } => high.z.min(surface),
+            Site::FullSpace => high.z,
+        };
+        let corners = box_corners(&low, &Vec3::new(high.x, high.y, top));
+        let level = wave.start_level(&corners, scene.start).map_err(refused)?;
+        if level.largest() < limits.threshold {
+            quiet.push((wave, None));
+            continue;
+        }
+        let given = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
+        if given + way(&wave, &corners) < scene.start {
+            return Err(early(table, &wave, level.largest(), scene));
+        }
+        let (wave, start) = wave
+            .with_quiet_start(&corners, scene.start, &limits)
+            .map_err(refused)?;
+        quiet.push((wave, Some(start)));
+    }
+    let own = |start: &Option<QuietStart>| start.map_or(0.0, |start| start.padding);
+    let padding = quiet
+        .iter()
+        .map(|(_, start)| own(start))
+        .fold(0.0, f64::max);
+    let delayed = quiet.iter();
+    let delayed = delayed.map(|(wave, start)| wave.later(padding - own(start)));
+    let delayed = delayed.collect();
+    let needed = quiet.into_iter();
+    let needed = needed.filter_map(|(wave, start)| Some((wave.name().to_owned(), start?)));
+    let waves: Vec<(String, QuietStart)> = needed.collect();
+    if !waves.is_empty() {
+        scene.remarks.push(Remark::QuietStart { padding, waves });
+    }
+    Ok(delayed)
+}
+
+/// How long after it passes its reference point a wave reaches the first of some points (s).
+fn way(wave: &PlaneWave, points: &[Vec3]) -> f64 {
+    let parameters = wave.parameters();
+    let slowness = parameters.direction() / parameters.kind.speed(&parameters.medium);
+    let delays = points
+        .iter()
+        .map(|point| (point - parameters.reference).dot(&slowness));
+    delays.fold(f64::INFINITY, f64::min)
+}
+
+/// A wave that the scene lets arrive before its start.
+fn early(table: &Wave, wave: &PlaneWave, level: f64, scene: &Scene) -> Fault {
+    let given = [
+        table.arrival.as_ref().map(At::span),
+        table.reference.as_ref().map(At::span),
+    ];
+    let span = given.into_iter().flatten().next();
+    let error = Error::NotAtRest {
+        field: wave.name().into(),
+        level,
+        time: scene.start,
+    };
+    Fault::refused(span.unwrap_or(scene.places.start.clone()), error).with_help(NOT_AT_REST)
 }

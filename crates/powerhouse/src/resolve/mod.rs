@@ -28,16 +28,16 @@ pub(crate) fn compose(
         Some(section) => Some(registry.boundary(section)?),
         None => None,
     };
-    let records = ground::records(text, file)?;
+    let records = record::records(text, file)?;
     let mesh = mesh(text, &file.mesh)?;
     let names = Names { mesh: &mesh };
     check_parts(&names, file)?;
 
     let mut scene = Scene::new(file.title.clone(), mesh.clone());
     scene.parts = parts;
-    scene.start = file.time.start.map_or(0.0, Finite::get);
+    scene.start = file.time.start.as_ref().map_or(0.0, |start| start.get());
     scene.duration = file.time.duration.get();
-    scene.initial = match file.time.initial {
+    scene.initial = match *file.time.initial {
         format::InitialMotion::Rest => InitialMotion::Rest,
         format::InitialMotion::Field => InitialMotion::Field,
     };
@@ -45,7 +45,7 @@ pub(crate) fn compose(
         format::Step::Auto => TimeStep::OfStable(file.time.safety.map_or(1.0, |s| s.get())),
         format::Step::Seconds(step) => TimeStep::Seconds(step),
     };
-    scene.integrator = match file.time.scheme {
+    scene.integrator = match *file.time.scheme {
         format::Scheme::Leapfrog => Box::new(Leapfrog),
         format::Scheme::OneSided => Box::new(OneSided),
     };
@@ -55,12 +55,23 @@ pub(crate) fn compose(
         format::Precision::F32 => Precision::F32,
     };
     scene.places.step = file.time.step.span();
+    scene.places.scheme = file.time.scheme.span();
+    scene.places.start = match (&file.time.start, file.waves.first()) {
+        (Some(start), _) => start.span(),
+        (None, Some(wave)) => wave.incidence.span(),
+        (None, None) => 0..0,
+    };
+    if let Some(wave) = file.waves.first() {
+        scene.places.field = wave.incidence.span();
+    }
     scene.self_check = file.self_check.as_ref().map(|limit| limit.get());
     if let (Some(section), Some(condition)) = (&file.boundary, boundary) {
         for face in &section.faces {
             names.facets(face)?;
         }
         scene.places.boundary = section.kind.span();
+        let first = section.faces.first();
+        scene.places.faces = first.map_or(section.kind.span(), At::span);
         scene.boundary = Some(Boundary {
             condition,
             faces: section.faces.iter().map(|face| face.to_string()).collect(),

@@ -2,11 +2,14 @@
 
 mod file;
 mod medium;
+mod places;
 mod prepare;
+mod surroundings;
 
-pub(crate) use prepare::{field_motion, placed};
+pub(crate) use places::{NOT_AT_REST, Places};
+pub(crate) use prepare::field_motion;
+pub(crate) use surroundings::box_corners;
 
-use core::ops::Range;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -71,13 +74,6 @@ pub enum InitialMotion {
     Rest,
     /// The motion of the incident field.
     Field,
-}
-
-/// Where in the scene's file stands what is only built, and perhaps refused, after it was read.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Places {
-    pub(crate) boundary: Range<usize>,
-    pub(crate) step: Range<usize>,
 }
 
 /// Everything that a run needs: a mesh, its parts, what acts on it, and what is wanted of it.

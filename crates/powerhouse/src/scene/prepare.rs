@@ -1,15 +1,14 @@
 //! From a scene to a model that can be stepped.
 
-use core::ops::Range;
-use std::sync::Arc;
-
 use powerhouse_explicit_core::observe::CutSource;
 use powerhouse_explicit_core::{BlockOptions, Model};
-use powerhouse_model::{BoundarySite, ElementKind, IncidentField, State, Vec3};
+use powerhouse_model::{
+    BoundarySite, ElementKind, IncidentField, Mat3, NodalImpedance, State, Vec3,
+};
 
-use super::{InitialMotion, Scene, TimeStep};
+use super::{InitialMotion, Places, Scene, TimeStep};
 use crate::output::Recordings;
-use crate::{Error, Fault, Part, SceneFault, SceneText, Simulation};
+use crate::{Error, Part, Remark, Simulation};
 
 impl Scene {
     /// Builds the model: checks everything, renumbers, packs elements, prepares the boundary.
@@ -17,6 +16,11 @@ impl Scene {
     /// # Errors
     /// The first thing that does not fit, named by the user's sets and numbers.
     pub fn prepare(self) -> Result<Simulation, Error> {
+        let (source, places) = (self.source.clone(), self.places.clone());
+        self.build().map_err(|error| places.put(&source, error))
+    }
+
+    fn build(mut self) -> Result<Simulation, Error> {
         let step = match self.step {
             TimeStep::OfStable(share) => {
                 powerhouse_model::ParameterError::check("share", share, f64::MIN_POSITIVE, 1.0)?;
@@ -28,6 +32,7 @@ impl Scene {
         let scatterer = self.scatterer()?;
         let mut builder = Model::builder(&self.mesh);
         let mut blocks = Vec::new();
+        let mut remarks = Vec::new();
         for part in &self.parts {
             for (kind, elements) in by_kind(&self, part)? {
                 let kernel = part.kernel_for(kind).ok_or_else(|| Error::NoKernel {
@@ -54,6 +59,7 @@ impl Scene {
         let observed = Recordings::observe(&self.output, &self.mesh, &sources)?;
         if let Some(boundary) = &self.boundary {
             let facets = self.absorbing_facets()?;
+            self.check_faces(&facets)?;
             let medium = |element: u32| {
                 let part = owner[element as usize];
                 let part = part.expect("facets belong to solids, and every solid to a part");
@@ -61,10 +67,32 @@ impl Scene {
             };
             let field = self.field.as_deref();
             let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
-            let parts = boundary.condition.build(&site);
-            let place = self.places.boundary.clone();
-            builder = builder.boundary(parts.map_err(|e| placed(&self.source, place, e))?);
+            if let Some(field) = field {
+                self.check_field(field, &site)?;
+            }
+            remarks.extend(self.doubts_around(&facets, &site)?);
+            let parts = boundary.condition.build(&site).map_err(|error| {
+                Places::put_at(&self.source, self.places.boundary.clone(), error.into())
+            })?;
+            let springs = |node: &NodalImpedance| node.spring != Mat3::zeros();
+            if boundary.scatterer.is_none() && parts.impedance.iter().any(springs) {
+                let position = scatterer;
+                remarks.push(Remark::Scatterer { position });
+            }
+            if let (Some(field), []) = (field, &parts.loads[..]) {
+                return Err(Error::UnusedField {
+                    field: field.name().into(),
+                    reason: "the boundary lets no motion in",
+                });
+            }
+            builder = builder.boundary(parts);
+        } else if let (Some(field), InitialMotion::Rest) = (&self.field, self.initial) {
+            return Err(Error::UnusedField {
+                field: field.name().into(),
+                reason: "there is no boundary through which it comes in",
+            });
         }
+        self.remarks.append(&mut remarks);
         for support in self.supports {
             builder = builder.support(support);
         }
@@ -98,23 +126,11 @@ impl Scene {
         Ok(Simulation::new(
             (self.title, self.mesh, model),
             (self.integrator, step, self.duration),
-            (self.source, self.places.step),
+            (self.source, self.places),
             field,
             (self.output, observed),
             self.remarks,
         ))
-    }
-}
-
-/// An error where it stands in the scene's file, if the scene has one.
-pub(crate) fn placed(
-    source: &Option<Arc<SceneText>>,
-    place: Range<usize>,
-    error: impl Into<Error> + core::error::Error + Send + Sync + 'static,
-) -> Error {
-    match source {
-        Some(text) => SceneFault::new(text.clone(), Fault::refused(place, error)).into(),
-        None => error.into(),
     }
 }
 

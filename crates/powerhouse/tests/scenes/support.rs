@@ -1,0 +1,111 @@
+//! A cube of rock under a wave, as a file and in Rust.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use powerhouse::boundary::ViscousSpring;
+use powerhouse::engine::SolidKernel;
+use powerhouse::engine::observe::Motion;
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{ElasticMedium, Mesh, Vec3};
+use powerhouse::wavefield::{
+    Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
+};
+use powerhouse::{Boundary, Material, OutputPlan, Part, Results, RunHooks, Scene};
+
+pub(crate) const ROCK: ElasticMedium = ElasticMedium {
+    young: 9.0e9,
+    poisson: 0.27,
+    density: 2750.0,
+};
+pub(crate) const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
+
+/// A folder of its own for each test, removed at its end.
+pub(crate) struct Folder(pub(crate) PathBuf);
+
+impl Folder {
+    pub(crate) fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("powerhouse-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+pub(crate) fn cube() -> Mesh {
+    cube_of(6)
+}
+
+/// The cube with some elements along each edge.
+pub(crate) fn cube_of(elements: usize) -> Mesh {
+    let (low, high) = (Vec3::new(0.0, 0.0, -300.0), Vec3::new(300.0, 300.0, 0.0));
+    Mesh::box_of_hexes(low, high, [elements; 3], "rock").unwrap()
+}
+
+/// The scene of [`cube_scene`] as a file.
+pub(crate) const CUBE: &str = r#"
+title = "cube"
+[mesh]
+file = "cube.msh"
+[[material]]
+name = "granite"
+law = "elastic"
+young = 9.0e9
+poisson = 0.27
+density = 2750
+[[part]]
+set = "rock"
+material = "granite"
+kernel = "hex8-full"
+[[wave]]
+kind = "sv"
+incidence = 20
+azimuth = 30
+pulse = { kind = "smooth", displacement = 0.01, duration = 0.4 }
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "front", "back", "bottom"]
+scatterer = [150, 150, 0]
+[time]
+duration = 0.6
+[output]
+every = 0.01
+[[output.history]]
+name = "surface"
+at = [150, 150, 0]
+"#;
+
+/// The same scene composed in Rust.
+pub(crate) fn cube_scene() -> Scene {
+    cube_scene_on(cube())
+}
+
+pub(crate) fn cube_scene_on(mesh: Mesh) -> Scene {
+    let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
+    parameters.incidence = Angle::from_degrees(20.0);
+    parameters.azimuth = Angle::from_degrees(30.0);
+    let (low, high) = mesh.bounding_box();
+    parameters.reference = first_hit_corner(&low, &high, &parameters.direction());
+    let pulse = Arc::new(SmoothPulse::new(0.01, 0.4).unwrap());
+    let centre = Vec3::new(150.0, 150.0, 0.0);
+    let mut output = OutputPlan::default().history("surface", centre, Motion::ALL);
+    output.every = 0.01;
+    Scene::new("cube", mesh)
+        .part(
+            Part::new("rock", Material::new(LinearElastic::new(ROCK)))
+                .kernel(SolidKernel::Hex8Full),
+        )
+        .field(PlaneWave::new(parameters, pulse).unwrap())
+        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre))
+        .duration(0.6)
+        .output(output)
+}
+
+pub(crate) fn run(scene: Scene) -> Results {
+    scene.prepare().unwrap().run(RunHooks::default()).unwrap()
+}
