@@ -2,11 +2,14 @@
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use powerhouse::{RunHooks, Scene};
-use powerhouse_study::FreeFieldCheck;
+use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
-use crate::{Outcome, WARNED, progress, report};
+use crate::progress::Display;
+use crate::{INTERRUPTED, Outcome, WARNED, report, stop};
 
 /// Looks at a scene; the exit status is 1 if there are warnings.
 pub(crate) fn check(path: &Path) -> Outcome {
@@ -26,16 +29,38 @@ pub(crate) fn free_field(path: &Path) -> Outcome {
     let limit = scene.self_check();
     let check = FreeFieldCheck::of(&scene)?;
     let step = scene.prepare()?.step()?;
-    let bar = progress::bar("free field");
-    let hooks = RunHooks {
-        progress: Some(progress::hook(&bar)),
-        ..RunHooks::default()
+    let Some(found) = compare(check, step, &stop::flag()?)? else {
+        return Ok(ExitCode::from(INTERRUPTED));
     };
-    let found = check.run(step, hooks)?;
-    bar.finish_and_clear();
-    report::free_field(&found);
     if let Some(limit) = limit {
         found.require(limit)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Runs a comparison and says what it found; nothing if it was interrupted.
+pub(crate) fn compare(
+    check: FreeFieldCheck,
+    step: f64,
+    stop: &Arc<AtomicBool>,
+) -> Result<Option<FreeFieldReport>, StudyError> {
+    let display = Display::new("free field");
+    let hooks = RunHooks {
+        progress: Some(display.hook()),
+        stop: Some(stop.clone()),
+        ..RunHooks::default()
+    };
+    let found = check.run(step, hooks);
+    display.clear();
+    match found {
+        Ok(found) => {
+            report::free_field(&found);
+            Ok(Some(found))
+        }
+        Err(StudyError::Interrupted) => {
+            println!("interrupted while the free field was checked: nothing was run");
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
 }

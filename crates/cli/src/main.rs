@@ -7,6 +7,7 @@ mod check;
 mod progress;
 mod report;
 mod run;
+mod stop;
 
 use std::io::IsTerminal;
 use std::path::PathBuf;

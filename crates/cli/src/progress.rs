@@ -1,29 +1,81 @@
-//! The progress bar.
+//! How far a run is: a bar on a terminal, a line now and then elsewhere.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use powerhouse::ProgressHook;
+use powerhouse::engine::Progress;
 
-/// The bar is drawn anew after so many steps.
+/// The bar is drawn anew after so many steps, and the clock looked at.
 const STEPS_PER_TICK: u64 = 32;
+/// Time between lines where there is no terminal.
+const BETWEEN_LINES: Duration = Duration::from_secs(5);
 const TEMPLATE: &str = "{prefix} {bar:32} {percent:>3} %  {msg}  {per_sec}  {eta} left";
 
-/// A bar with rate and remaining time.
-pub(crate) fn bar(prefix: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new(0).with_prefix(prefix);
-    match ProgressStyle::with_template(TEMPLATE) {
-        Ok(style) => bar.with_style(style),
-        // Only a fault of the template itself leads here; the plain bar tells the same.
-        Err(_) => bar,
+/// Shows on the error stream how far a run is, with its rate and the time that is left.
+pub(crate) enum Display {
+    Bar(ProgressBar),
+    Lines(&'static str),
+}
+
+impl Display {
+    pub(crate) fn new(prefix: &'static str) -> Self {
+        if !std::io::stderr().is_terminal() {
+            return Self::Lines(prefix);
+        }
+        let bar = ProgressBar::new(0).with_prefix(prefix);
+        Self::Bar(match ProgressStyle::with_template(TEMPLATE) {
+            Ok(style) => bar.with_style(style),
+            // Only a fault of the template itself leads here; the plain bar tells the same.
+            Err(_) => bar,
+        })
+    }
+
+    /// Moves with a run.
+    pub(crate) fn hook(&self) -> ProgressHook<'static> {
+        match self {
+            Self::Bar(bar) => {
+                let bar = bar.clone();
+                Box::new(move |progress| {
+                    if is_tick(&progress) {
+                        bar.set_length(progress.planned);
+                        bar.set_message(format!("t = {:.3} s", progress.time));
+                        bar.set_position(progress.done);
+                    }
+                })
+            }
+            Self::Lines(prefix) => {
+                let (prefix, started) = (*prefix, Instant::now());
+                let mut next = BETWEEN_LINES;
+                Box::new(move |progress| {
+                    if is_tick(&progress) && started.elapsed() >= next {
+                        next = started.elapsed() + BETWEEN_LINES;
+                        eprintln!("{}", line(prefix, &progress, started.elapsed()));
+                    }
+                })
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn clear(&self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
     }
 }
 
-/// Moves a bar with a run.
-pub(crate) fn hook(bar: &ProgressBar) -> ProgressHook<'_> {
-    Box::new(move |progress| {
-        if progress.done.is_multiple_of(STEPS_PER_TICK) || progress.done == progress.planned {
-            bar.set_length(progress.planned);
-            bar.set_message(format!("t = {:.3} s", progress.time));
-            bar.set_position(progress.done);
-        }
-    })
+fn is_tick(progress: &Progress) -> bool {
+    progress.done.is_multiple_of(STEPS_PER_TICK) || progress.done == progress.planned
+}
+
+fn line(prefix: &str, progress: &Progress, elapsed: Duration) -> String {
+    let rate = progress.done as f64 / elapsed.as_secs_f64();
+    let left = (progress.planned - progress.done) as f64 / rate;
+    let share = 100.0 * progress.done as f64 / progress.planned as f64;
+    format!(
+        "{prefix} {share:.0} %, t = {:.3} s, {rate:.0} steps/s, {left:.0} s left",
+        progress.time
+    )
 }

@@ -109,12 +109,14 @@ pub(crate) fn check(report: &CheckReport) {
     }
 }
 
-pub(crate) fn after_run(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
+/// How a run ended.
+pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
     let run = &results.run;
     let how = match &run.ended {
         Ended::Completed => "completed".into(),
         Ended::Stopped => "interrupted".into(),
         Ended::Observer(name) => format!("ended by {name}"),
+        Ended::Failed(_) => "failed".into(),
     };
     let wall = results.wall_time.as_secs_f64();
     println!(
@@ -123,19 +125,36 @@ pub(crate) fn after_run(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
         run.time,
         1e9 * wall / (run.steps as f64 * mesh.element_count() as f64),
     );
+}
+
+/// What a run found and wrote.
+pub(crate) fn results(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
     println!("\npeaks\n{}", results.peaks(mesh));
-    if !results.energies.columns.is_empty() {
-        println!("energies at the end (J)");
-        for column in &results.energies.columns {
-            if let Some(value) = column.values.last() {
-                println!("  {:<24} {value:>12.4e}", column.name);
-            }
-        }
-    }
+    energies(results);
     println!("\nfiles");
     for file in files {
         println!("  {}", file.display());
     }
+}
+
+/// The energies that were ever other than zero, and what the balance leaves.
+fn energies(results: &Results) {
+    let Some(residual) = results.energy_residual() else {
+        return;
+    };
+    println!("energies at the end (J)");
+    for (name, value) in results.energy_terms() {
+        println!("  {name:<24} {value:>12.4e}");
+    }
+    let share = residual.share_of_input;
+    let share = share.map_or(String::new(), |share| {
+        format!("   {share:.1e} of the input work")
+    });
+    println!("  {:<24} {:>12.4e}{share}", "residual", residual.energy);
+    println!(
+        "  the residual was at most {:.1e} of the largest energy",
+        residual.largest
+    );
 }
 
 /// A time in seconds, minutes or hours.

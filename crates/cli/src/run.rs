@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse::engine::Ended;
-use powerhouse::{ResultFolder, RunHooks, Scene};
+use powerhouse::{Error, ResultFolder, RunHooks, Scene};
 use powerhouse_study::FreeFieldCheck;
 
-use crate::{INTERRUPTED, Outcome, progress, report};
+use crate::progress::Display;
+use crate::{INTERRUPTED, Outcome, check, report, stop};
 
+/// Checks the free field if the scene asks for it, runs, and writes what was found, even if the
+/// run fails on its way.
 pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
     let scene = Scene::from_file(path)?;
     let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
@@ -21,37 +22,43 @@ pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
         None => None,
     };
     let mut simulation = scene.prepare()?;
+    let stop = stop::flag()?;
     report::before_run(&mut simulation)?;
+    folder.create()?;
 
-    let stop = Arc::new(AtomicBool::new(false));
-    let raised = stop.clone();
-    ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed))?;
-    if let (Some(check), Some(limit)) = (free_field, limit) {
-        let bar = progress::bar("free field");
-        let hooks = RunHooks {
-            progress: Some(progress::hook(&bar)),
-            ..RunHooks::default()
-        };
-        let found = check.run(simulation.step()?, hooks)?;
-        bar.finish_and_clear();
-        report::free_field(&found);
-        found.require(limit)?;
+    if let (Some(free_field), Some(limit)) = (free_field, limit) {
+        match check::compare(free_field, simulation.step()?, &stop)? {
+            Some(found) => found.require(limit)?,
+            None => return Ok(ExitCode::from(INTERRUPTED)),
+        }
     }
+    folder.clear()?;
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
     let remarks = simulation.remarks().to_vec();
-    let bar = progress::bar("run");
+    let display = Display::new("run");
     let hooks = RunHooks {
-        progress: Some(progress::hook(&bar)),
+        progress: Some(display.hook()),
         stop: Some(stop),
         snapshots: Some(folder.snapshots(&mesh)?),
         ..RunHooks::default()
     };
-    let results = simulation.run(hooks)?;
-    bar.finish_and_clear();
-    let files = folder.write((&title, &mesh), &results, &remarks, text.as_deref())?;
-    report::after_run(&mesh, &results, &files);
-    Ok(match results.run.ended {
-        Ended::Stopped => ExitCode::from(INTERRUPTED),
-        Ended::Completed | Ended::Observer(_) => ExitCode::SUCCESS,
-    })
+    let outcome = simulation.run(hooks);
+    display.clear();
+    let (results, failure) = match outcome {
+        Ok(results) => (results, None),
+        Err(Error::Failed { error, results }) => (*results, Some(error)),
+        Err(error) => return Err(error.into()),
+    };
+    report::end_of_run(&mesh, &results);
+    let written = folder.write((&title, &mesh), &results, &remarks, text.as_deref());
+    if let (Err(_), Some(failure)) = (&written, &failure) {
+        // Both failures are told, that of the run first.
+        eprintln!("error: {failure}");
+    }
+    report::results(&mesh, &results, &written?);
+    match (failure, results.run.ended) {
+        (Some(failure), _) => Err(failure.into()),
+        (None, Ended::Stopped) => Ok(ExitCode::from(INTERRUPTED)),
+        (None, _) => Ok(ExitCode::SUCCESS),
+    }
 }

@@ -51,6 +51,39 @@ impl Scene {
     fn out(&self) -> String {
         self.folder.join("out").display().to_string()
     }
+    /// What stands in the folder of results.
+    fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.join("out")).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.collect()
+    }
+    /// Runs it, and sends it a signal as soon as a passage was printed or a file is there.
+    #[cfg(unix)]
+    fn run_and_signal(&self, signal: &str, is_time: impl Fn(&str) -> bool) -> (Output, String) {
+        use std::io::{BufRead, BufReader};
+        use std::process::Stdio;
+        let mut run = Command::new(env!("CARGO_BIN_EXE_powerhouse"))
+            .args(["run", &self.path(), "--out", &self.out()])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut told = String::new();
+        let mut lines = BufReader::new(run.stdout.take().unwrap()).lines();
+        while !told.contains("stable up to") {
+            told += &(lines.next().unwrap().unwrap() + "\n");
+        }
+        while !is_time(&told) && run.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let mut kill = Command::new("kill");
+        let killed = kill.args([signal, &run.id().to_string()]).status();
+        assert!(killed.unwrap().success());
+        for line in lines {
+            told += &(line.unwrap() + "\n");
+        }
+        (run.wait_with_output().unwrap(), told)
+    }
 }
 
 impl Drop for Scene {
@@ -72,11 +105,14 @@ fn run_writes_results() {
         "peaks",
         "crown.ux",
         "energies at the end (J)",
+        "of the input work",
         "limited by",
         "summary.json",
     ] {
         assert!(told.contains(passage), "{passage}: {told}");
     }
+    // What is no energy of this scene has no line.
+    assert!(told.contains("dashpots") && !told.contains("friction"));
     for file in [
         "summary.json",
         "histories.csv",
@@ -84,6 +120,86 @@ fn run_writes_results() {
         "plots/crown.svg",
     ] {
         assert!(scene.folder.join("out").join(file).exists(), "{file}");
+    }
+}
+
+/// A run that is asked to end, by Ctrl-C or by the system, leaves complete output; status 130.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_complete_output() {
+    for signal in ["-INT", "-TERM"] {
+        let scene = Scene::new(&format!("signal{signal}"), |scene| {
+            scene
+                .replace("self_check = 0.02", "")
+                .replace("duration = 1.0 ", "duration = 1000 ")
+                .replace("every = 0.5", "every = 0.01")
+        });
+        let second = scene.folder.join("out/snapshots/snapshots_00001.vtu");
+        let (output, told) = scene.run_and_signal(signal, |_| second.exists());
+        let errors = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(130), "{signal}: {errors}");
+        assert!(told.contains("interrupted: "), "{told}");
+        let read = |file: &str| std::fs::read_to_string(scene.folder.join("out").join(file));
+        assert!(read("summary.json").unwrap().contains("\"stopped\""));
+        // Every snapshot of the collection is there, and the histories go as far.
+        let collection = read("snapshots.pvd").unwrap();
+        let shots: Vec<&str> = collection.split("file=\"").skip(1).collect();
+        assert!(shots.len() >= 2);
+        for shot in shots {
+            let file = scene
+                .folder
+                .join("out")
+                .join(shot.split('"').next().unwrap());
+            assert!(file.metadata().unwrap().len() > 0, "{}", file.display());
+        }
+        let last = |text: String, before: &str, after: char| -> f64 {
+            let (_, number) = text.rsplit_once(before).unwrap();
+            number.split(after).next().unwrap().parse().unwrap()
+        };
+        let shot = last(collection, "timestep=\"", '"');
+        let row = last(read("histories.csv").unwrap().trim_end().into(), "\n", ',');
+        assert!(shot >= 0.01 && row >= shot, "{shot} {row}");
+    }
+}
+
+/// Ctrl-C during the self-check ends it, and nothing is run; status 130.
+#[cfg(unix)]
+#[test]
+fn the_self_check_can_be_interrupted() {
+    let scene = Scene::new("self-check", |scene| {
+        scene.replace("duration = 1.0 ", "duration = 20 ")
+    });
+    let (output, told) = scene.run_and_signal("-INT", |_| true);
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert!(told.contains("nothing was run"), "{told}");
+    assert_eq!(scene.files(), Vec::<String>::new());
+}
+
+/// A folder that cannot be written to is refused before anything is computed; status 2.
+#[test]
+fn a_folder_that_cannot_be_written_to_is_refused_first() {
+    let scene = Scene::new("folder", |scene| scene);
+    let output = powerhouse(&["run", &scene.path(), "--out", &scene.path()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("scene.toml"));
+    assert!(!text(&output.stdout).contains("free field"));
+}
+
+/// A run that fails on its way says so and leaves what it had; status 2.
+#[test]
+fn a_failed_run_leaves_what_it_had() {
+    let scene = Scene::new("failed", |scene| {
+        // A balance that rounding breaks.
+        scene.replace("self_check = 0.02", "energy_residual = 1e-30")
+    });
+    let output = powerhouse(&["run", &scene.path(), "--out", &scene.out()]);
+    assert_eq!(output.status.code(), Some(2));
+    let errors = text(&output.stderr);
+    assert!(errors.contains("energy"), "{errors}");
+    assert!(text(&output.stdout).contains("failed: "));
+    let files = scene.files();
+    for file in ["summary.json", "histories.csv", "snapshots.pvd"] {
+        assert!(files.contains(&file.into()), "{file}: {files:?}");
     }
 }
 
@@ -96,7 +212,7 @@ fn run_refuses_a_coarse_free_field() {
     let output = powerhouse(&["run", &scene.path(), "--out", &scene.out()]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("above the scene's self_check = 0.00001"));
-    assert!(!scene.folder.join("out").exists());
+    assert_eq!(scene.files(), Vec::<String>::new());
     let output = powerhouse(&["check", "--free-field", &scene.path()]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stdout).contains("relative error"));

@@ -109,6 +109,9 @@ pub use integrator::{Leapfrog, OneSided};
 pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
 pub use loads::{FacePressure, FaceTraction, NodalForce, Profile};
 pub use model::{ElementChoice, Model, ModelBuilder};
-pub use run::{Ended, EnergyCheck, Length, Progress, RunOptions, RunReport, StepChoice, run};
+pub use run::{
+    Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice, run,
+    run_reporting,
+};
 pub use stable_step::StableStep;
 pub use support::{PeriodicPairs, Prescribed, Support};

@@ -144,6 +144,8 @@ pub enum Ended {
     Observer(String),
     /// It was stopped from outside.
     Stopped,
+    /// An error with this message ended it; only reports of a [`RunFailure`] say so.
+    Failed(String),
 }
 
 /// What a run did.
@@ -166,6 +168,51 @@ pub struct RunReport {
     pub energy_residual: f64,
 }
 
+/// A run that an error ended.
+#[derive(Debug)]
+pub struct RunFailure {
+    /// What ended it.
+    pub error: RunError,
+    /// What was done until then; none if the run was refused before its first step.
+    pub report: Option<Box<RunReport>>,
+}
+
+/// Steps a model as [`run`] does, and reports what was done even if it fails on its way.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_reporting(
+    model: &mut Model,
+    integrator: &dyn TimeIntegrator,
+    options: &RunOptions,
+    observers: &mut [Box<dyn Observer>],
+    progress: &mut (dyn FnMut(Progress) + Send),
+) -> Result<RunReport, RunFailure> {
+    let outcome = model.in_pool(|model| steps(model, integrator, options, observers, progress));
+    let mut finished = Ok(());
+    for observer in observers {
+        let result = observer.finish();
+        if finished.is_ok() {
+            finished = result.map_err(|source| failed(observer.name(), model.number, source));
+        }
+    }
+    let refused = |error| RunFailure {
+        error,
+        report: None,
+    };
+    let (mut report, played) = outcome.map_err(refused)?;
+    match played.and(finished) {
+        Ok(()) => Ok(report),
+        Err(error) => {
+            report.ended = Ended::Failed(error.to_string());
+            Err(RunFailure {
+                error,
+                report: Some(Box::new(report)),
+            })
+        }
+    }
+}
+
 /// Steps a model, showing it to observers.
 ///
 /// A step from `t` to `t + dt` shows the state at `t`, when the velocities before and after are
@@ -184,17 +231,7 @@ pub fn run(
     observers: &mut [Box<dyn Observer>],
     progress: &mut (dyn FnMut(Progress) + Send),
 ) -> Result<RunReport, RunError> {
-    let outcome = model.in_pool(|model| steps(model, integrator, options, observers, progress));
-    let mut finished = Ok(());
-    for observer in observers {
-        let result = observer.finish();
-        if finished.is_ok() {
-            finished = result.map_err(|source| failed(observer.name(), model.number, source));
-        }
-    }
-    let report = outcome?;
-    finished?;
-    Ok(report)
+    run_reporting(model, integrator, options, observers, progress).map_err(|failure| failure.error)
 }
 
 fn failed(name: &str, step: u64, source: powerhouse_model::ModelError) -> RunError {
@@ -205,13 +242,14 @@ fn failed(name: &str, step: u64, source: powerhouse_model::ModelError) -> RunErr
     }
 }
 
+/// Refuses a run, or gives the report of the steps that it had and what ended them too early.
 fn steps(
     model: &mut Model,
     integrator: &dyn TimeIntegrator,
     options: &RunOptions,
     observers: &mut [Box<dyn Observer>],
     progress: &mut (dyn FnMut(Progress) + Send),
-) -> Result<RunReport, RunError> {
+) -> Result<(RunReport, Result<(), RunError>), RunError> {
     if let Length::Seconds(duration) = options.length {
         ParameterError::check("duration", duration, 0.0, f64::MAX)?;
     }
@@ -243,6 +281,7 @@ fn steps(
         last: false,
         stopped_by: None,
         failure: None,
+        done: 0,
         model,
     };
     let result = stage.play(integrator, options, step, planned, progress);
@@ -250,19 +289,21 @@ fn steps(
         model,
         energies,
         residual,
+        done,
         ..
     } = stage;
     model.close_ledger();
-    let (steps, ended) = result?;
-    Ok(RunReport {
-        steps,
+    let mut report = RunReport {
+        steps: done,
         step,
         time: model.time(),
         stable,
-        ended,
+        ended: Ended::Completed,
         energies,
         energy_residual: residual,
-    })
+    };
+    let played = result.map(|ended| report.ended = ended);
+    Ok((report, played))
 }
 
 fn choose_step(
@@ -298,10 +339,11 @@ struct Stage<'a> {
     last: bool,
     stopped_by: Option<String>,
     failure: Option<RunError>,
+    done: u64,
 }
 
 impl Stage<'_> {
-    /// All steps of a run; how many were done and why they ended.
+    /// All steps of a run, and why they ended.
     fn play(
         &mut self,
         integrator: &dyn TimeIntegrator,
@@ -309,17 +351,16 @@ impl Stage<'_> {
         step: f64,
         planned: u64,
         progress: &mut (dyn FnMut(Progress) + Send),
-    ) -> Result<(u64, Ended), RunError> {
+    ) -> Result<Ended, RunError> {
         let raised = || {
             options
                 .stop
                 .as_ref()
                 .is_some_and(|stop| stop.load(Ordering::Relaxed))
         };
-        let mut done = 0;
-        while done < planned {
+        while self.done < planned {
             let stopped = raised();
-            self.last = stopped || done + 1 == planned;
+            self.last = stopped || self.done + 1 == planned;
             integrator.step(self, step)?;
             if let Some(failure) = self.failure.take() {
                 return Err(failure);
@@ -327,20 +368,20 @@ impl Stage<'_> {
             if let Some(fault) = self.model.fault.take() {
                 return Err(fault);
             }
-            done += 1;
+            self.done += 1;
             progress(Progress {
-                done,
+                done: self.done,
                 planned,
                 time: self.model.time,
             });
             if let Some(name) = self.stopped_by.take() {
-                return Ok((done, Ended::Observer(name)));
+                return Ok(Ended::Observer(name));
             }
             if stopped {
-                return Ok((done, Ended::Stopped));
+                return Ok(Ended::Stopped);
             }
         }
-        Ok((done, Ended::Completed))
+        Ok(Ended::Completed)
     }
 
     fn is_due(&self, cadence: Cadence, step: f64) -> bool {

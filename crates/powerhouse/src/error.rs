@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
 use thiserror::Error;
 
-use crate::SceneFault;
+use crate::{Results, SceneFault};
 
 /// Why a scene cannot be read, composed, run or written.
 #[derive(Debug, Error)]
@@ -95,9 +95,17 @@ pub enum Error {
     /// A part of the model refused.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A run refused its step, or ended before its time.
+    /// A run refused its step.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// A run ended before its time.
+    #[error("{error}")]
+    Failed {
+        /// What ended it.
+        error: RunError,
+        /// What was recorded until then.
+        results: Box<Results>,
+    },
 }
 
 impl From<SceneFault> for Error {

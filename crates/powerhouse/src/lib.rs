@@ -53,13 +53,13 @@ pub use powerhouse_wavefield as wavefield;
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use output::{
-    CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, ResultFolder, Results,
-    SnapshotWish,
+    CutWish, EnergyResidual, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, ResultFolder,
+    Results, SnapshotWish,
 };
 pub use part::{Kernel, Material, Part};
 pub use registry::Registry;
 pub use remark::Remark;
-pub use scene::{Boundary, InitialMotion, Scene, TimeStep};
+pub use scene::{Boundary, InitialMotion, ResidualLimit, Scene, TimeStep};
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 
 /// The program in the project's README compiles and runs.

@@ -1,16 +1,22 @@
 //! A model ready to run, and its run.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use powerhouse_explicit_core::observe::{Snapshot, SnapshotSink, Snapshots};
-use powerhouse_explicit_core::{Model, Progress, RunOptions, StableStep, StepChoice, run};
+use powerhouse_explicit_core::{
+    EnergyCheck, Model, Progress, RunFailure, RunOptions, StableStep, StepChoice, run,
+    run_reporting,
+};
 use powerhouse_model::{Cadence, IncidentField, Mesh, ModelError, Observer, TimeIntegrator};
 
 use crate::output::{OutputPlan, Recordings, Results};
-use crate::scene::{Places, TimeStep, field_motion};
+use crate::scene::{Places, ResidualLimit, TimeStep, field_motion};
 use crate::{Error, Remark, SceneText};
+
+/// Energies are looked at after this share of the duration if they are not recorded.
+const LOOKS_SHARE: f64 = 0.01;
 
 /// Told after every step where a run stands.
 pub type ProgressHook<'a> = Box<dyn FnMut(Progress) + Send + 'a>;
@@ -37,6 +43,7 @@ pub struct Simulation {
     integrator: Box<dyn TimeIntegrator>,
     step: TimeStep,
     duration: f64,
+    residual: ResidualLimit,
     /// The scene's file, and what stands where in it.
     source: (Option<Arc<SceneText>>, Places),
     /// The field whose motion the body starts with.
@@ -49,7 +56,8 @@ pub struct Simulation {
 impl Simulation {
     pub(crate) fn new(
         (title, mesh, model): (String, Arc<Mesh>, Model),
-        (integrator, step, duration): (Box<dyn TimeIntegrator>, TimeStep, f64),
+        (integrator, step): (Box<dyn TimeIntegrator>, TimeStep),
+        (duration, residual): (f64, ResidualLimit),
         source: (Option<Arc<SceneText>>, Places),
         initial: Option<Arc<dyn IncidentField>>,
         (plan, observed): (OutputPlan, (Recordings, Vec<Box<dyn Observer>>)),
@@ -62,6 +70,7 @@ impl Simulation {
             integrator,
             step,
             duration,
+            residual,
             source,
             initial,
             plan,
@@ -133,7 +142,8 @@ impl Simulation {
     /// Runs the scene to its end.
     ///
     /// # Errors
-    /// A step above the stable one, or what ended the run before its time.
+    /// A step above the stable one, or, as [`Error::Failed`] with the results until then, what
+    /// ended the run before its time.
     pub fn run(mut self, hooks: RunHooks) -> Result<Results, Error> {
         let started = Instant::now();
         let step = self.step()?;
@@ -143,24 +153,55 @@ impl Simulation {
             let (displacement, velocity) = field_motion(field.as_ref(), nodes, now)?;
             self.model.set_initial(&displacement, &velocity)?;
         }
+        let mut options = self.options(RunOptions::seconds(self.duration), step);
+        options.stop = hooks.stop;
         let (recordings, mut observers) = self.observed;
+        let taken = Arc::new(AtomicU64::new(0));
         if let (Some(wish), Some(sink)) = (self.plan.snapshots, hooks.snapshots) {
             let cadence = Cadence::Seconds(wish.every);
-            let snapshots = Snapshots::new(&self.mesh, wish.fields, cadence, Boxed(sink));
+            let sink = Counted(sink, taken.clone());
+            let snapshots = Snapshots::new(&self.mesh, wish.fields, cadence, sink);
             observers.push(Box::new(snapshots.map_err(ModelError::from)?));
         }
         observers.extend(hooks.observers);
-        let mut options = RunOptions::seconds(self.duration).with_step(StepChoice::Fixed(step));
-        options.stop = hooks.stop;
         let mut progress = hooks.progress.unwrap_or_else(|| Box::new(|_| {}));
-        let report = run(
+        let outcome = run_reporting(
             &mut self.model,
             self.integrator.as_ref(),
             &options,
             &mut observers,
             &mut progress,
-        )?;
-        Ok(recordings.finish(report, started.elapsed()))
+        );
+        let wall_time = started.elapsed();
+        let finish = |report| {
+            let snapshots = taken.load(Ordering::Relaxed);
+            recordings.finish(report, wall_time, snapshots)
+        };
+        match outcome {
+            Ok(report) => Ok(finish(report)),
+            Err(RunFailure { error, report }) => Err(match report {
+                None => error.into(),
+                Some(report) => Error::Failed {
+                    error,
+                    results: Box::new(finish(*report)),
+                },
+            }),
+        }
+    }
+
+    /// Options with a step (s) and the check of energies, which looks as often as the energies are
+    /// recorded.
+    fn options(&self, options: RunOptions, step: f64) -> RunOptions {
+        let options = options.with_step(StepChoice::Fixed(step));
+        let every = self.plan.energies.unwrap_or(LOOKS_SHARE * self.duration);
+        let limit = match self.residual {
+            ResidualLimit::OfPrecision => None,
+            ResidualLimit::Share(limit) => Some(limit),
+            ResidualLimit::Unchecked => return options,
+        };
+        let mut check = EnergyCheck::every((every / step).round().max(1.0) as u64);
+        check.limit = limit;
+        options.with_energy(check)
     }
 
     /// Takes some steps without looking at them, to see how long they take: what a step of a run
@@ -170,7 +211,7 @@ impl Simulation {
     /// As [`run`](Self::run).
     pub fn time_steps(&mut self, count: u64) -> Result<Duration, Error> {
         let step = self.step()?;
-        let options = RunOptions::steps(count).with_step(StepChoice::Fixed(step));
+        let options = self.options(RunOptions::steps(count), step);
         let started = Instant::now();
         run(
             &mut self.model,
@@ -183,15 +224,17 @@ impl Simulation {
     }
 }
 
-/// A sink of any type as a sink.
-struct Boxed(Box<dyn SnapshotSink>);
+/// A sink of any type, and how many snapshots it took.
+struct Counted(Box<dyn SnapshotSink>, Arc<AtomicU64>);
 
-impl SnapshotSink for Boxed {
+impl SnapshotSink for Counted {
     fn take(
         &mut self,
         snapshot: &Snapshot,
     ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        self.0.take(snapshot)
+        self.0.take(snapshot)?;
+        self.1.fetch_add(1, Ordering::Relaxed);
+        Ok(())
     }
     fn finish(&mut self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         self.0.finish()

@@ -34,6 +34,9 @@ pub enum StudyError {
         /// The run's duration (s).
         duration: f64,
     },
+    /// The run of the check was stopped from outside.
+    #[error("interrupted")]
+    Interrupted,
     /// The error of the free field is above what the scene permits.
     #[error(
         "the free field of this mesh, step and boundary errs by {error:.4}, above the scene's self_check = {limit}"

@@ -1,5 +1,6 @@
 //! The scene's box without the structure.
 
+use powerhouse::engine::Ended;
 use powerhouse::engine::observe::{HistoryTable, Motion};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{
@@ -137,13 +138,16 @@ impl FreeFieldCheck {
     /// the box's own stable step and the whole of it.
     ///
     /// # Errors
-    /// What ended the run before its time.
+    /// What ended the run before its time, [`StudyError::Interrupted`] among it.
     pub fn run(self, scene_step: f64, hooks: RunHooks) -> Result<FreeFieldReport, StudyError> {
         let mut simulation = self.scene.prepare()?;
         let own = simulation.stable_step()?.step;
         let step = scene_step.clamp(LEAST_SHARE_OF_STEP * own, own);
         simulation.set_step(TimeStep::Seconds(step));
         let results = simulation.run(hooks)?;
+        if results.run.ended == Ended::Stopped {
+            return Err(StudyError::Interrupted);
+        }
         let mut sums = [[0.0_f64; 4]; 2];
         for (row, &time) in results.histories.times.iter().enumerate() {
             let mut exact = [FieldMotion::default(); 2];

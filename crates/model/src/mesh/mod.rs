@@ -10,7 +10,6 @@ mod locate;
 mod select;
 mod shape;
 mod sides;
-mod split;
 
 use std::collections::BTreeMap;
 
@@ -22,7 +21,6 @@ pub use facet::{FacetGeometry, NodeTributary};
 pub use kind::ElementKind;
 pub use locate::Located;
 pub use select::Axis;
-pub use split::Split;
 
 /// One side of one element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -17,6 +17,7 @@ mod material;
 mod output;
 mod parameters;
 mod quantity;
+mod residual;
 mod time;
 
 use std::path::PathBuf;
@@ -40,6 +41,7 @@ pub use quantity::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,
     SpeedRatio,
 };
+pub use residual::Residual;
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};
 
 /// A scene: a mesh, its materials, the ground motion and what is wanted of the run.
@@ -78,6 +80,11 @@ pub struct SceneFile {
     /// Number format of the computation.
     #[serde(default)]
     pub precision: Precision,
+    /// The residual of the energy balance at which the run stops, over the largest energy held or
+    /// put in until then: `"auto"` (1e-7 in double precision, 1e-4 in mixed, 1e-2 in single), a
+    /// number, or `"off"`.
+    #[serde(default)]
+    pub energy_residual: Residual,
     /// What is written.
     #[serde(default)]
     pub output: Output,

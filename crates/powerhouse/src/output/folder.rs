@@ -1,5 +1,7 @@
 //! The files of a run.
 
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use powerhouse_explicit_core::observe::{HistoryTable, SnapshotSink};
@@ -24,7 +26,8 @@ use crate::{Error, Remark};
 /// | `snapshots.pvd` and a folder beside it | whole fields, for ParaView |
 /// | `scene.toml` | the scene as it was run |
 ///
-/// Every file is written whole or not at all.
+/// Every file is written whole or not at all. [`create`](Self::create) and [`clear`](Self::clear)
+/// before a run see to it that its results find their place, and no older ones beside them.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
     path: PathBuf,
@@ -32,15 +35,72 @@ pub struct ResultFolder {
 
 /// The collection of snapshots.
 const SNAPSHOTS: &str = "snapshots.pvd";
+/// The file that marks a folder of results.
+const SUMMARY: &str = "summary.json";
+/// Tables, with a plot of each of their names.
+const TABLES: [&str; 3] = ["histories.csv", "sections.csv", "energies.csv"];
+/// Greatest values, with a picture of each.
+const ENVELOPE: &str = "envelope.vtu";
 
 impl ResultFolder {
-    /// A folder, which is made with its first file.
+    /// A folder, which is made with its first file or by [`create`](Self::create).
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into() }
     }
     /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Makes the folder, and sees that files can be written in it.
+    ///
+    /// # Errors
+    /// The file that could not be written.
+    pub fn create(&self) -> Result<(), Error> {
+        let probe = self.path.join(".writable");
+        write_whole(&probe, b"")?;
+        remove(&probe)
+    }
+
+    /// Removes what an earlier run left: its snapshots, and, if there is a summary that this
+    /// software wrote, tables, envelope, plots and pictures. Anything else in the folder stays, a
+    /// scene too.
+    ///
+    /// # Errors
+    /// The file that could not be removed.
+    pub fn clear(&self) -> Result<(), Error> {
+        let mut old = vec![self.path.join(SNAPSHOTS)];
+        old.extend(self.files_in("snapshots", "snapshots_", ".vtu"));
+        if self.has_results() {
+            old.extend(TABLES.iter().map(|table| self.path.join(table)));
+            old.push(self.path.join(ENVELOPE));
+            old.extend(self.files_in("plots", "", ".svg"));
+            old.extend(self.files_in("pictures", "", ".png"));
+            // The mark goes last, so that a failure on the way can be made good.
+            old.push(self.path.join(SUMMARY));
+        }
+        for file in old {
+            remove(&file)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a summary of this software is there.
+    fn has_results(&self) -> bool {
+        let text = fs::read(self.path.join(SUMMARY)).unwrap_or_default();
+        let summary: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+        let software = summary["software"].as_str();
+        software.is_some_and(|name| name.starts_with("powerhouse "))
+    }
+
+    /// Files of a folder below, by the ends of their names.
+    fn files_in(&self, folder: &str, start: &str, end: &str) -> Vec<PathBuf> {
+        let entries = fs::read_dir(self.path.join(folder)).into_iter().flatten();
+        let files = entries.flatten().filter(|entry| {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            name.starts_with(start) && name.ends_with(end)
+        });
+        files.map(|entry| entry.path()).collect()
     }
 
     /// A sink that writes snapshots of a mesh as VTU files and a PVD collection.
@@ -68,15 +128,12 @@ impl ResultFolder {
             written: Vec::new(),
         };
         let summary = Summary::new(title, mesh, results, remarks);
-        files.write("summary.json", |file| write_summary(file, &summary))?;
+        files.write(SUMMARY, |file| write_summary(file, &summary))?;
         if let Some(text) = scene {
             files.write("scene.toml", |file| write_whole(file, text.as_bytes()))?;
         }
-        for (name, table) in [
-            ("histories.csv", &results.histories),
-            ("sections.csv", &results.sections),
-            ("energies.csv", &results.energies),
-        ] {
+        let tables = [&results.histories, &results.sections, &results.energies];
+        for (name, table) in TABLES.into_iter().zip(tables) {
             if !table.times.is_empty() {
                 let columns = columns(table);
                 files.write(name, |file| write_table(file, &columns))?;
@@ -95,9 +152,7 @@ impl ResultFolder {
         }
         if let Some(envelope) = &results.envelope {
             let fields = vtu::EnvelopeFields::new(envelope, mesh);
-            files.write("envelope.vtu", |file| {
-                fields.write(file, mesh, results.run.time)
-            })?;
+            files.write(ENVELOPE, |file| fields.write(file, mesh, results.run.time))?;
             for (name, field, unit) in fields.peaks() {
                 files.write(
                     &format!("pictures/{}.png", drawing::file_name(name)),
@@ -105,10 +160,21 @@ impl ResultFolder {
                 )?;
             }
         }
-        if self.path.join(SNAPSHOTS).exists() {
+        if results.snapshots > 0 {
             files.written.push(self.path.join(SNAPSHOTS));
         }
         Ok(files.written)
+    }
+}
+
+/// Removes a file, if it is there.
+fn remove(file: &Path) -> Result<(), Error> {
+    match fs::remove_file(file) {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::Write(IoError::File {
+            file: file.into(),
+            source,
+        })),
+        _ => Ok(()),
     }
 }
 

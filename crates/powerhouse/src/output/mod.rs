@@ -10,4 +10,4 @@ mod vtu;
 pub use folder::ResultFolder;
 pub use plan::{CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, SnapshotWish};
 pub(crate) use results::Recordings;
-pub use results::Results;
+pub use results::{EnergyResidual, Results};

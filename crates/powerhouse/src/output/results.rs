@@ -12,6 +12,22 @@ use powerhouse_model::{Cadence, Mesh, ModelError, Observer};
 use super::OutputPlan;
 use crate::Error;
 
+/// The ledger's column of what does not balance.
+const RESIDUAL: &str = "residual";
+/// Its columns of work from outside.
+const INPUTS: [&str; 2] = ["loads", "prescribed motion"];
+
+/// What an energy balance leaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyResidual {
+    /// At the end (J).
+    pub energy: f64,
+    /// Its size over the work put in; none if nothing was put in.
+    pub share_of_input: Option<f64>,
+    /// The largest residual of the run, over the largest energy held or put in until then.
+    pub largest: f64,
+}
+
 /// What a run has given.
 #[derive(Clone, Debug)]
 pub struct Results {
@@ -29,9 +45,30 @@ pub struct Results {
     pub energies: HistoryTable,
     /// Greatest values.
     pub envelope: Option<EnvelopeTable>,
+    /// How many snapshots the run's sink took.
+    pub snapshots: u64,
 }
 
 impl Results {
+    /// The energies at the end (J) that were ever other than zero, but for the residual.
+    pub fn energy_terms(&self) -> Vec<(&str, f64)> {
+        let columns = self.energies.columns.iter();
+        columns
+            .filter(|column| column.name != RESIDUAL && column.values.iter().any(|v| *v != 0.0))
+            .filter_map(|column| Some((column.name.as_str(), *column.values.last()?)))
+            .collect()
+    }
+    /// What the energy balance leaves at the end; none if energies were not recorded.
+    pub fn energy_residual(&self) -> Option<EnergyResidual> {
+        let last = |name| self.energies.column(name)?.values.last().copied();
+        let energy = last(RESIDUAL)?;
+        let input: f64 = INPUTS.iter().filter_map(|name| last(name)).sum();
+        Some(EnergyResidual {
+            energy,
+            share_of_input: (input != 0.0).then(|| (energy / input).abs()),
+            largest: self.run.energy_residual,
+        })
+    }
     /// The greatest values of all histories, section forces and envelopes.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
         let mut peaks = PeakTable::default();
@@ -123,7 +160,7 @@ impl Recordings {
         Ok((recordings, observers))
     }
 
-    pub(crate) fn finish(self, run: RunReport, wall_time: Duration) -> Results {
+    pub(crate) fn finish(self, run: RunReport, wall_time: Duration, snapshots: u64) -> Results {
         let table = |recording: Option<Recording<HistoryTable>>| {
             recording.map(|r| r.copy()).unwrap_or_default()
         };
@@ -135,6 +172,7 @@ impl Recordings {
             section_geometry: self.section_geometry,
             energies: table(self.energies),
             envelope: self.envelope.map(|recording| recording.copy()),
+            snapshots,
         }
     }
 }

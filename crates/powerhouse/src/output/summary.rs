@@ -16,6 +16,8 @@ pub(super) struct Summary {
     nodes: usize,
     elements: usize,
     ended: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure: Option<String>,
     steps: u64,
     /// s
     step: f64,
@@ -26,8 +28,10 @@ pub(super) struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     stable_step: Option<StableStepSummary>,
     peaks: Vec<Peak>,
-    /// J, at the last look
+    /// J, at the last look; terms that were ever other than zero
     energies: Vec<Energy>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    energy_residual: Option<Residual>,
     remarks: Vec<String>,
 }
 
@@ -59,6 +63,17 @@ struct Energy {
     value: f64,
 }
 
+#[derive(Debug, Serialize)]
+struct Residual {
+    /// J, at the last look
+    energy: f64,
+    /// Over the work put in
+    #[serde(skip_serializing_if = "Option::is_none")]
+    share_of_input: Option<f64>,
+    /// Of the run, over the largest energy until then
+    largest: f64,
+}
+
 impl Summary {
     pub(super) fn new(title: &str, mesh: &Mesh, results: &Results, remarks: &[Remark]) -> Self {
         let run = &results.run;
@@ -71,6 +86,11 @@ impl Summary {
                 Ended::Completed => "completed".into(),
                 Ended::Stopped => "stopped".into(),
                 Ended::Observer(name) => format!("by observer {name}"),
+                Ended::Failed(_) => "failed".into(),
+            },
+            failure: match &run.ended {
+                Ended::Failed(error) => Some(error.clone()),
+                _ => None,
             },
             steps: run.steps,
             step: run.step,
@@ -93,17 +113,18 @@ impl Summary {
                 .map(Peak::from)
                 .collect(),
             energies: results
-                .energies
-                .columns
-                .iter()
-                .filter_map(|column| {
-                    let value = *column.values.last()?;
-                    Some(Energy {
-                        name: column.name.clone(),
-                        value,
-                    })
+                .energy_terms()
+                .into_iter()
+                .map(|(name, value)| Energy {
+                    name: name.into(),
+                    value,
                 })
                 .collect(),
+            energy_residual: results.energy_residual().map(|residual| Residual {
+                energy: residual.energy,
+                share_of_input: residual.share_of_input,
+                largest: residual.largest,
+            }),
             remarks: remarks.iter().map(Remark::to_string).collect(),
         }
     }

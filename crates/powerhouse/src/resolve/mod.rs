@@ -13,7 +13,7 @@ use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
 
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Damping, Finite, SceneFile};
-use crate::scene::{Boundary, InitialMotion, TimeStep};
+use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep};
 use crate::{Material, Part, Registry, Remark, Scene};
 
 /// Composes the scene of a file.
@@ -53,6 +53,11 @@ pub(crate) fn compose(
         format::Precision::F64 => Precision::F64,
         format::Precision::Mixed => Precision::Mixed,
         format::Precision::F32 => Precision::F32,
+    };
+    scene.residual = match file.energy_residual {
+        format::Residual::Auto => ResidualLimit::OfPrecision,
+        format::Residual::Share(share) => ResidualLimit::Share(share),
+        format::Residual::Off => ResidualLimit::Unchecked,
     };
     scene.places.step = file.time.step.span();
     scene.places.scheme = file.time.scheme.span();

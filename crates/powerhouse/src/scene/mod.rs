@@ -66,6 +66,19 @@ pub enum TimeStep {
     Seconds(f64),
 }
 
+/// The residual of the energy balance at which a run stops, over the largest energy held or put in
+/// until then.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ResidualLimit {
+    /// 1e-7 in double precision, 1e-4 in mixed, 1e-2 in single.
+    #[default]
+    OfPrecision,
+    /// This share.
+    Share(f64),
+    /// The balance is not kept, unless energies are recorded, and stops nothing.
+    Unchecked,
+}
+
 /// The body's motion at the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InitialMotion {
@@ -120,6 +133,7 @@ pub struct Scene {
     pub(crate) step: TimeStep,
     pub(crate) integrator: Box<dyn TimeIntegrator>,
     pub(crate) precision: Precision,
+    pub(crate) residual: ResidualLimit,
     pub(crate) threads: Option<usize>,
     pub(crate) output: OutputPlan,
     pub(crate) self_check: Option<f64>,
@@ -151,6 +165,7 @@ impl Scene {
             step: TimeStep::OfStable(1.0),
             integrator: Box::new(Leapfrog),
             precision: Precision::F64,
+            residual: ResidualLimit::OfPrecision,
             threads: None,
             output: OutputPlan::default(),
             self_check: None,
@@ -249,6 +264,12 @@ impl Scene {
     #[must_use]
     pub fn precision(mut self, precision: Precision) -> Self {
         self.precision = precision;
+        self
+    }
+    /// Sets the residual of the energy balance at which a run stops.
+    #[must_use]
+    pub fn energy_residual(mut self, limit: ResidualLimit) -> Self {
+        self.residual = limit;
         self
     }
     /// Computes with so many threads instead of all; the bits of results do not depend on it.

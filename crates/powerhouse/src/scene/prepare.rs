@@ -6,7 +6,7 @@ use powerhouse_model::{
     BoundarySite, ElementKind, IncidentField, Mat3, NodalImpedance, State, Vec3,
 };
 
-use super::{InitialMotion, Places, Scene, TimeStep};
+use super::{InitialMotion, Places, ResidualLimit, Scene, TimeStep};
 use crate::output::Recordings;
 use crate::{Error, Part, Remark, Simulation};
 
@@ -28,6 +28,14 @@ impl Scene {
             }
             fixed => fixed,
         };
+        if let ResidualLimit::Share(limit) = self.residual {
+            powerhouse_model::ParameterError::check(
+                "energy_residual",
+                limit,
+                f64::MIN_POSITIVE,
+                1.0,
+            )?;
+        }
         let owner = self.part_of_elements()?;
         let scatterer = self.scatterer()?;
         let mut builder = Model::builder(&self.mesh);
@@ -125,7 +133,8 @@ impl Scene {
         };
         Ok(Simulation::new(
             (self.title, self.mesh, model),
-            (self.integrator, step, self.duration),
+            (self.integrator, step),
+            (self.duration, self.residual),
             (self.source, self.places),
             field,
             (self.output, observed),

@@ -1,0 +1,272 @@
+//! What is kept of runs, also of those that fail, and where it is put.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use powerhouse::boundary::ViscousSpring;
+use powerhouse::engine::Ended;
+use powerhouse::engine::observe::Motion;
+use powerhouse::material::{LinearElastic, media};
+use powerhouse::model::{
+    Cadence, Fields, Flow, Mesh, ModelError, Observer, ParameterError, RunError, StepView, Vec3,
+};
+use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
+use powerhouse::{
+    Boundary, Error, Material, OutputPlan, Part, Registry, ResidualLimit, ResultFolder, Results,
+    RunHooks, Scene, SnapshotWish,
+};
+
+const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
+
+/// A cube of rock of 300 m under a vertical P wave, for 0.3 s.
+fn cube() -> Scene {
+    let (low, high) = (Vec3::new(0.0, 0.0, -300.0), Vec3::new(300.0, 300.0, 0.0));
+    let mesh = Mesh::box_of_hexes(low, high, [4; 3], "rock").unwrap();
+    let mut parameters = PlaneWaveParameters::vertical(WaveKind::P, media::ROCK, 0.0);
+    parameters.reference = low;
+    let pulse = Arc::new(SmoothPulse::new(0.01, 0.4).unwrap());
+    let top = Vec3::new(150.0, 150.0, 0.0);
+    Scene::new("cube", mesh)
+        .part(Part::new(
+            "rock",
+            Material::new(LinearElastic::new(media::ROCK)),
+        ))
+        .field(PlaneWave::new(parameters, pulse).unwrap())
+        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(top))
+        .duration(0.3)
+        .output(OutputPlan {
+            energies: Some(0.01),
+            ..OutputPlan::default().history("top", top, Motion::ALL)
+        })
+}
+
+fn run(scene: Scene) -> Result<Results, Error> {
+    scene.prepare()?.run(RunHooks::default())
+}
+
+/// A run checks its energy balance unless it is told not to: it reports the residual, and stops
+/// with the set's name where that is above the limit.
+#[test]
+fn the_energy_balance_is_checked() {
+    let results = run(cube()).unwrap();
+    let residual = results.energy_residual().unwrap();
+    assert!(residual.largest > 0.0 && residual.largest < 1e-12);
+    assert!(residual.share_of_input.unwrap() < 1e-12);
+    let names: Vec<&str> = results
+        .energy_terms()
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    for name in ["kinetic", "elastic", "dashpots", "springs", "loads"] {
+        assert!(names.contains(&name), "{name}: {names:?}");
+    }
+    assert!(!names.contains(&"friction") && !names.contains(&"residual"));
+
+    // Also without a history of energies.
+    for plan in [cube().output_plan().clone(), OutputPlan::default()] {
+        let share = ResidualLimit::Share(1e-3 * residual.largest);
+        let scene = cube().output(plan.clone()).energy_residual(share);
+        match run(scene) {
+            Err(Error::Failed {
+                error: RunError::EnergyResidual { set, residual, .. },
+                ..
+            }) => assert!(set == "rock" && residual.abs() < 1e-12),
+            other => panic!("{other:?}"),
+        }
+        let unchecked = cube()
+            .output(plan)
+            .energy_residual(ResidualLimit::Unchecked);
+        assert_eq!(run(unchecked).unwrap().run.ended, Ended::Completed);
+    }
+    for wrong in [0.0, 1.5, f64::NAN] {
+        let scene = cube().energy_residual(ResidualLimit::Share(wrong));
+        assert!(matches!(
+            scene.prepare(),
+            Err(Error::Parameter(ParameterError { .. }))
+        ));
+    }
+}
+
+/// Sees every step and fails at one.
+struct Fails {
+    at: u64,
+}
+
+impl Observer for Fails {
+    fn name(&self) -> &str {
+        "doubter"
+    }
+    fn fields(&self) -> Fields {
+        Fields::default()
+    }
+    fn cadence(&self) -> Cadence {
+        Cadence::Steps(1)
+    }
+    fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
+        if view.number() == self.at {
+            return Err(ParameterError::check("doubt", 1.0, 0.0, 0.5)
+                .unwrap_err()
+                .into());
+        }
+        Ok(Flow::Continue)
+    }
+}
+
+/// A folder of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("powerhouse-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+    fn has(&self, file: &str) -> bool {
+        self.0.join(file).exists()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A run that fails on its way hands over what it recorded until then; its summary says how it
+/// ended.
+#[test]
+fn a_failed_run_keeps_what_it_recorded() {
+    let folder = Folder::new("failed");
+    let simulation = cube().prepare().unwrap();
+    let mesh = simulation.mesh().clone();
+    let hooks = RunHooks {
+        observers: vec![Box::new(Fails { at: 9 })],
+        ..RunHooks::default()
+    };
+    let Err(Error::Failed { error, results }) = simulation.run(hooks) else {
+        panic!("the observer's failure went unheard")
+    };
+    assert!(matches!(&error, RunError::Observer { name, step: 9, .. } if name == "doubter"));
+    assert_eq!(results.run.steps, 9);
+    assert_eq!(results.run.ended, Ended::Failed(error.to_string()));
+    let times = &results.histories.times;
+    assert!(times.len() >= 9, "{times:?}");
+    assert_eq!(
+        results.histories.column("top.uz").unwrap().values.len(),
+        times.len()
+    );
+
+    let results_of = ResultFolder::new(&folder.0);
+    results_of
+        .write(("cube", &mesh), &results, &[], None)
+        .unwrap();
+    let summary = std::fs::read_to_string(folder.0.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["ended"], "failed");
+    assert_eq!(summary["failure"], error.to_string());
+    assert!(folder.has("histories.csv"));
+}
+
+/// What an earlier run left goes before the next one, and what else is in the folder stays.
+#[test]
+fn old_results_do_not_mix_with_new_ones() {
+    let folder = Folder::new("mix");
+    let results_of = ResultFolder::new(&folder.0);
+    let go = |snapshots: bool| {
+        let mut scene = cube();
+        let mut plan = scene.output_plan().clone();
+        plan.snapshots = snapshots.then_some(SnapshotWish {
+            fields: Default::default(),
+            every: 0.1,
+        });
+        scene = scene.output(plan);
+        let simulation = scene.prepare().unwrap();
+        let mesh = simulation.mesh().clone();
+        results_of.create().unwrap();
+        results_of.clear().unwrap();
+        let hooks = RunHooks {
+            snapshots: Some(results_of.snapshots(&mesh).unwrap()),
+            ..RunHooks::default()
+        };
+        let results = simulation.run(hooks).unwrap();
+        let files = results_of.write(("cube", &mesh), &results, &[], None);
+        files.unwrap().contains(&folder.0.join("snapshots.pvd"))
+    };
+    assert!(go(true));
+    assert!(folder.has("snapshots/snapshots_00003.vtu") && folder.has("plots/top.svg"));
+    for own in ["notes.txt", "scene.toml", "plots/notes.txt"] {
+        std::fs::write(folder.0.join(own), "mine").unwrap();
+    }
+    std::fs::rename(
+        folder.0.join("plots/top.svg"),
+        folder.0.join("plots/old.svg"),
+    )
+    .unwrap();
+    assert!(!go(false));
+    assert!(!folder.has("snapshots.pvd") && !folder.has("snapshots/snapshots_00000.vtu"));
+    assert!(!folder.has("plots/old.svg") && folder.has("plots/top.svg"));
+    for own in ["notes.txt", "scene.toml", "plots/notes.txt"] {
+        assert!(folder.has(own), "{own}");
+    }
+}
+
+/// Files of others are left alone, even where their names are those of results.
+#[test]
+fn a_folder_of_others_is_left_alone() {
+    let folder = Folder::new("others");
+    std::fs::create_dir_all(folder.0.join("pictures")).unwrap();
+    let theirs = ["summary.json", "histories.csv", "pictures/holiday.png"];
+    for file in theirs {
+        std::fs::write(folder.0.join(file), "{\"software\": \"another\"}").unwrap();
+    }
+    ResultFolder::new(&folder.0).clear().unwrap();
+    assert!(theirs.iter().all(|file| folder.has(file)));
+}
+
+/// A folder is made and tried before a run; one that cannot be is refused by its path.
+#[test]
+fn a_folder_is_tried_before_a_run() {
+    let folder = Folder::new("tried");
+    let results_of = ResultFolder::new(folder.0.join("deep/er"));
+    results_of.create().unwrap();
+    assert_eq!(std::fs::read_dir(results_of.path()).unwrap().count(), 0);
+    std::fs::write(folder.0.join("file"), "").unwrap();
+    let in_the_way = ResultFolder::new(folder.0.join("file"));
+    let error = in_the_way.create().unwrap_err();
+    assert!(error.to_string().contains("file"), "{error}");
+}
+
+/// A scene file sets the limit of the energy balance, and a wrong one is told in its place.
+#[test]
+fn a_file_sets_the_limit_of_the_balance() {
+    let text = |limit: &str| {
+        let mesh = "data/meshes/cavern_small.msh";
+        let mesh = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+            .join("../..")
+            .join(mesh);
+        format!(
+            "title = \"t\"\nenergy_residual = {limit}\n[mesh]\nfile = '{}'\n\
+             [[material]]\nname = \"m\"\nlaw = \"elastic\"\nyoung = 1e9\npoisson = 0.2\ndensity = 2000\n\
+             [[part]]\nset = \"rock\"\nmaterial = \"m\"\n[[part]]\nset = \"lining\"\nmaterial = \"m\"\n\
+             [[load]]\nkind = \"gravity\"\n[time]\nduration = 0.02\n",
+            mesh.display()
+        )
+    };
+    let read = |limit: &str| Scene::from_toml(text(limit), "t.toml", &Registry::default());
+    for limit in ["\"auto\"", "\"off\"", "1e-6"] {
+        assert!(run(read(limit).unwrap()).is_ok(), "{limit}");
+    }
+    assert!(matches!(
+        run(read("1e-300").unwrap()),
+        Err(Error::Failed {
+            error: RunError::EnergyResidual { .. },
+            ..
+        })
+    ));
+    for wrong in ["\"none\"", "0.0", "2", "nan"] {
+        match read(wrong) {
+            Err(Error::Scene(fault)) => assert_eq!(fault.position(), (2, 19), "{fault}"),
+            _ => panic!("{wrong} was accepted"),
+        }
+    }
+}
