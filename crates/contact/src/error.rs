@@ -43,6 +43,21 @@ pub enum ContactError {
         /// The permitted distance (m).
         tolerance: f64,
     },
+    /// A facet without a counterpart on the other side; of several the one that is farthest off.
+    #[error(
+        "a facet of element {element} has no partner within {tolerance:.3e} m on the other side of \
+         the joint; the nearest, of element {nearest}, has its centre {distance:.3e} m away"
+    )]
+    Unmatched {
+        /// The element's number.
+        element: u64,
+        /// The number of the element with the nearest facet.
+        nearest: u64,
+        /// Distance of the centres (m).
+        distance: f64,
+        /// The permitted distance of corners (m).
+        tolerance: f64,
+    },
     /// A side, or a list of pairs, without nodes.
     #[error("the joint has no pairs")]
     Empty,

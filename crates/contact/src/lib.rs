@@ -11,6 +11,9 @@
 //! | [`SlipWeakening`] | none | falls with slip |
 //! | [`Frictionless`] | none | none |
 //!
+//! [`JointSurface`] makes pairs of the facets of two sides: of a mesh that is meshed apart there, or
+//! that [`Mesh::split_between`](powerhouse_model::Mesh::split_between) has cut open.
+//!
 //! Nodes that merely move as one, without area or traction, are [`TiedPairs`]; [`pair_nodes`] finds
 //! which node faces which.
 //!
@@ -50,6 +53,7 @@ mod error;
 mod joint;
 mod laws;
 mod pairing;
+mod surface;
 mod tied;
 
 pub use error::ContactError;
@@ -59,4 +63,5 @@ pub use laws::{
     SlipWeakeningParameters, Tied,
 };
 pub use pairing::{Pairing, pair_nodes};
+pub use surface::{JointFacet, JointSurface, SurfaceOptions};
 pub use tied::TiedPairs;

@@ -121,7 +121,7 @@ fn partners(
 }
 
 /// A cell and the 26 around it.
-fn neighbours([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+pub(crate) fn neighbours([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     (0..27).map(move |i| {
         [
             x.saturating_add(i % 3 - 1),

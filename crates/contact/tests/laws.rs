@@ -242,7 +242,7 @@ fn laws_hold_their_own_limits() {
         for bond in [Bond::Never, Bond::Intact, Bond::Broken] {
             for contact in [Stick, Slide, Open] {
                 for n in [-1e9, -3.0, -1e-300, 0.0, 1e-300, 0.7, 1e9] {
-                    for s in [0.0, 1e-300, 1.0, 1e9] {
+                    for s in [0.0, 1e-150, 1.0, 1e9] {
                         let (old, trial) = (state(contact, bond), traction(n, s));
                         let (t, new) = law.admissible(trial, &old);
                         let name = format!("{} {trial} {old:?} -> {t} {new:?}", law.name());

@@ -58,7 +58,7 @@ pub use load::{NodalLoad, TimeFunction};
 pub use medium::ElasticMedium;
 pub use mesh::{
     Axis, ElementKind, Facet, FacetGeometry, Located, Mesh, MeshBuilder, MeshError, NodeTributary,
-    QualityReport,
+    QualityReport, Split,
 };
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use state::{HistoryField, State};

@@ -1,6 +1,6 @@
 //! Pressure alone.
 
-use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, Vec3};
+use powerhouse_model::{ContactLaw, ContactState, JointState, Vec3};
 
 use super::opened;
 
@@ -28,7 +28,7 @@ impl ContactLaw for Frictionless {
     #[inline(always)]
     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
         if trial.x > 0.0 {
-            return opened(Bond::Never, state);
+            return opened(state.bond, state);
         }
         let contact = ContactState::Slide;
         let state = JointState { contact, ..*state };

@@ -1,6 +1,6 @@
 //! Friction that falls with slip.
 
-use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, ParameterError, Vec3};
+use powerhouse_model::{ContactLaw, ContactState, JointState, ParameterError, Vec3};
 
 use super::{check_friction, opened, shear, with_shear};
 
@@ -74,7 +74,7 @@ impl ContactLaw for SlipWeakening {
     #[inline(always)]
     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
         if trial.x > 0.0 {
-            return opened(Bond::Never, state);
+            return opened(state.bond, state);
         }
         let (shear, strength) = (shear(&trial), self.sliding_strength(trial.x, state));
         let contact = if shear <= strength {

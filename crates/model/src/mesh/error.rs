@@ -153,6 +153,15 @@ pub enum MeshError {
         /// How many sides the element has.
         sides: usize,
     },
+    /// An element on both sides of a cut.
+    #[error("element {element} belongs to both parts between which the mesh is to be cut")]
+    SharedElement {
+        /// The element's number.
+        element: u64,
+    },
+    /// Two parts that do not touch.
+    #[error("the two parts between which the mesh is to be cut have no facet in common")]
+    NoCommonFacets,
     /// A box without extent along an axis, or with corners that are not finite.
     #[error("a box from {low} to {high} along {axis} has no extent")]
     NoExtent {

@@ -10,6 +10,7 @@ mod locate;
 mod select;
 mod shape;
 mod sides;
+mod split;
 
 use std::collections::BTreeMap;
 
@@ -21,6 +22,7 @@ pub use facet::{FacetGeometry, NodeTributary};
 pub use kind::ElementKind;
 pub use locate::Located;
 pub use select::Axis;
+pub use split::Split;
 
 /// One side of one element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

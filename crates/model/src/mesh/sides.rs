@@ -117,6 +117,14 @@ impl SideTable {
         &bucket[from..to]
     }
 
+    /// Facets that lie on each other, pair by pair.
+    pub(super) fn neighbours(&self, mesh: &Mesh) -> Vec<[Facet; 2]> {
+        self.facets
+            .chunk_by(|&a, &b| mesh.side_key(a) == mesh.side_key(b))
+            .filter_map(|run| <[Facet; 2]>::try_from(run).ok())
+            .collect()
+    }
+
     fn alone(&self, mesh: &Mesh) -> Vec<Facet> {
         let mut alone: Vec<Facet> = self
             .facets

@@ -5,6 +5,7 @@ mod faults;
 mod generate;
 mod locate;
 mod shapes;
+mod split;
 
 use powerhouse_model::{ElementKind, Mesh, Vec3};
 

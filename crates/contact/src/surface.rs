@@ -1,0 +1,321 @@
+//! From the facets of a joint to its pairs.
+
+use std::collections::{BTreeMap, HashMap};
+
+use powerhouse_model::{Facet, FacetGeometry, JointPair, Mesh, ParameterError, Vec3};
+
+use crate::ContactError;
+use crate::pairing::neighbours;
+
+/// How the facets of the two sides become pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceOptions {
+    /// Largest distance of nodes that face each other (m).
+    pub tolerance: f64,
+    /// Largest angle (rad) between the normals of facets that count as one smooth patch.
+    ///
+    /// An averaged normal tilts every facet by half the angle between neighbours, so that a share
+    /// `sin(angle/2)` of the pressure acts along the facet; a pair for each facet lets neither be
+    /// left nor entered, which locks slip across the edge. The first is right for a curved face made
+    /// of plane facets, the second for a true corner. A ring of ten facets has 36 degrees between
+    /// neighbours, a corner mostly 90: the default is 40 degrees.
+    pub corner_angle: f64,
+}
+
+impl SurfaceOptions {
+    /// The angle that is used unless another one is given (rad), 40 degrees.
+    pub const CORNER_ANGLE: f64 = 40.0 * core::f64::consts::PI / 180.0;
+
+    /// Options with a tolerance (m).
+    ///
+    /// # Errors
+    /// A tolerance that is not positive.
+    pub fn within(tolerance: f64) -> Result<Self, ParameterError> {
+        Self::new(tolerance, Self::CORNER_ANGLE)
+    }
+    /// Options with a tolerance (m) and an angle (rad) between 0 and a right angle.
+    ///
+    /// # Errors
+    /// Whichever is out of range.
+    pub fn new(tolerance: f64, corner_angle: f64) -> Result<Self, ParameterError> {
+        ParameterError::check("tolerance", tolerance, f64::MIN_POSITIVE, f64::MAX)?;
+        let right_angle = core::f64::consts::FRAC_PI_2;
+        ParameterError::check("corner_angle", corner_angle, 0.0, right_angle)?;
+        Ok(Self {
+            tolerance,
+            corner_angle,
+        })
+    }
+}
+
+/// A facet of a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointFacet {
+    /// The facet as a side of the first part.
+    pub first: Facet,
+    /// Its nodes (mesh indices), counter-clockwise seen from the second side.
+    pub nodes: Vec<u32>,
+    /// The pair at each of the nodes; none at a tip, where both sides share the node.
+    pub pairs: Vec<Option<u32>>,
+}
+
+/// The two sides of a joint, matched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointSurface {
+    /// Pairs in rising order of their nodes. Nodes on an edge of the joint have one pair for each
+    /// smooth patch that meets there; areas add up to that of the facets, tips left out.
+    pub pairs: Vec<JointPair>,
+    /// The facets, in the order of the first side.
+    pub facets: Vec<JointFacet>,
+    /// The largest distance between the nodes of a pair (m).
+    pub worst_gap: f64,
+    /// The user's numbers of those nodes.
+    pub worst_nodes: [u64; 2],
+}
+
+impl JointSurface {
+    /// Matches each facet of one side with the one of the other side at the same place, corner by
+    /// corner, and makes pairs of their nodes: normals are those of the first side, averaged with
+    /// the second, areas what the facets give to their nodes.
+    ///
+    /// # Errors
+    /// [`ContactError::Empty`], or [`ContactError::Unmatched`] with the facet that is farthest from
+    /// any partner.
+    ///
+    /// # Panics
+    /// If a facet does not belong to the mesh.
+    pub fn between(
+        mesh: &Mesh,
+        first: &[Facet],
+        second: &[Facet],
+        options: &SurfaceOptions,
+    ) -> Result<Self, ContactError> {
+        if first.is_empty() || second.is_empty() {
+            return Err(ContactError::Empty);
+        }
+        let geometry = |facets: &[Facet]| -> Vec<FacetGeometry> {
+            facets
+                .iter()
+                .map(|&facet| mesh.facet_geometry(facet))
+                .collect()
+        };
+        let (own, other) = (geometry(first), geometry(second));
+        let partners = match_facets(mesh, (first, &own), (second, &other), options.tolerance)?;
+        let patches = patches(&own, &other, &partners, options.corner_angle);
+
+        let mut surface = Self {
+            pairs: Vec::new(),
+            facets: Vec::new(),
+            worst_gap: 0.0,
+            worst_nodes: [0; 2],
+        };
+        let mut pair_of = HashMap::new();
+        for (&nodes, corners) in &patches {
+            for (patch, (vector, area)) in corners.sums() {
+                pair_of.insert((nodes, patch), surface.pairs.len() as u32);
+                surface.pairs.push(JointPair::new(nodes, vector, area));
+            }
+            let [a, b] = nodes.map(|node| mesh.positions()[node as usize]);
+            let gap = (b - a).norm();
+            if gap >= surface.worst_gap {
+                surface.worst_gap = gap;
+                surface.worst_nodes = nodes.map(|node| mesh.node_tags()[node as usize]);
+            }
+        }
+        if surface.pairs.is_empty() {
+            return Err(ContactError::Empty);
+        }
+        for (place, (facet, own)) in first.iter().zip(&own).enumerate() {
+            let pairs = own
+                .nodes
+                .iter()
+                .zip(&partners[place].corners)
+                .map(|(&node, &corner)| {
+                    let nodes = [node, other[partners[place].facet].nodes[corner]];
+                    let patch = patches.get(&nodes)?.patch_of(place)?;
+                    pair_of.get(&(nodes, patch)).copied()
+                });
+            surface.facets.push(JointFacet {
+                first: *facet,
+                pairs: pairs.collect(),
+                nodes: own.nodes.clone(),
+            });
+        }
+        Ok(surface)
+    }
+
+    /// The area of all pairs (m2).
+    pub fn area(&self) -> f64 {
+        self.pairs.iter().map(|pair| pair.area).sum()
+    }
+}
+
+/// The facet of the other side, and its corner at each corner.
+struct Partner {
+    facet: usize,
+    corners: Vec<usize>,
+}
+
+type Side<'a> = (&'a [Facet], &'a [FacetGeometry]);
+
+/// The partner of each facet of the first side; those of the second side must all be taken.
+fn match_facets(
+    mesh: &Mesh,
+    first: Side,
+    second: Side,
+    tolerance: f64,
+) -> Result<Vec<Partner>, ContactError> {
+    let forward = partners(mesh, first, second, tolerance)?;
+    let mut taken = vec![false; second.0.len()];
+    for partner in &forward {
+        taken[partner.facet] = true;
+    }
+    if taken.contains(&false) {
+        partners(mesh, second, first, tolerance)?;
+    }
+    Ok(forward)
+}
+
+fn partners(
+    mesh: &Mesh,
+    (facets, own): Side,
+    (others, candidates): Side,
+    tolerance: f64,
+) -> Result<Vec<Partner>, ContactError> {
+    // Cells as wide as the tolerance: whatever is close enough lies in one of 27.
+    let cell = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x / tolerance).floor() as i64);
+    let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    for (place, candidate) in candidates.iter().enumerate() {
+        cells
+            .entry(cell(&candidate.centroid))
+            .or_default()
+            .push(place);
+    }
+    let mut partners = Vec::with_capacity(own.len());
+    let mut worst: Option<ContactError> = None;
+    let mut most = f64::NEG_INFINITY;
+    for (facet, geometry) in facets.iter().zip(own) {
+        let near = neighbours(cell(&geometry.centroid))
+            .filter_map(|c| cells.get(&c))
+            .flatten();
+        let found = near.copied().find_map(|place| {
+            let corners = corners(mesh, geometry, &candidates[place], tolerance)?;
+            Some(Partner {
+                facet: place,
+                corners,
+            })
+        });
+        if let Some(partner) = found {
+            partners.push(partner);
+            continue;
+        }
+        let distance = |place: &usize| (candidates[*place].centroid - geometry.centroid).norm();
+        let nearest = (0..candidates.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let Some(nearest) = nearest else {
+            return Err(ContactError::Empty);
+        };
+        if distance(&nearest) > most {
+            most = distance(&nearest);
+            let element = |facet: Facet| mesh.element_tags()[facet.element as usize];
+            worst = Some(ContactError::Unmatched {
+                element: element(*facet),
+                nearest: element(others[nearest]),
+                distance: most,
+                tolerance,
+            });
+        }
+    }
+    worst.map_or(Ok(partners), Err)
+}
+
+/// For each corner of a facet the corner of another one within the tolerance; all must be there.
+fn corners(
+    mesh: &Mesh,
+    facet: &FacetGeometry,
+    other: &FacetGeometry,
+    tolerance: f64,
+) -> Option<Vec<usize>> {
+    if facet.nodes.len() != other.nodes.len() {
+        return None;
+    }
+    let position = |node: u32| mesh.positions()[node as usize];
+    let mut found = Vec::with_capacity(facet.nodes.len());
+    for &node in &facet.nodes {
+        let distance = |corner: usize| (position(other.nodes[corner]) - position(node)).norm();
+        let corner = (0..other.nodes.len())
+            .filter(|corner| !found.contains(corner))
+            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
+        if distance(corner) > tolerance {
+            return None;
+        }
+        found.push(corner);
+    }
+    Some(found)
+}
+
+/// The facets at one pair of nodes.
+#[derive(Default)]
+struct Corners {
+    /// Place of the facet, its unit normal, and what it gives to the pair.
+    facets: Vec<(usize, Vec3, Vec3, f64)>,
+    /// The patch of each.
+    patch: Vec<usize>,
+}
+
+impl Corners {
+    fn patch_of(&self, facet: usize) -> Option<usize> {
+        let place = self.facets.iter().position(|(other, ..)| *other == facet)?;
+        Some(self.patch[place])
+    }
+    /// Vector area and area (m2) of each patch.
+    fn sums(&self) -> BTreeMap<usize, (Vec3, f64)> {
+        let mut sums: BTreeMap<usize, (Vec3, f64)> = BTreeMap::new();
+        for ((_, _, vector, area), &patch) in self.facets.iter().zip(&self.patch) {
+            let sum = sums.entry(patch).or_default();
+            sum.0 += vector;
+            sum.1 += area;
+        }
+        sums
+    }
+}
+
+/// The facets at every pair of nodes, in smooth patches: those whose normals differ by no more than
+/// the angle belong together, and so do those that others connect.
+fn patches(
+    own: &[FacetGeometry],
+    other: &[FacetGeometry],
+    partners: &[Partner],
+    angle: f64,
+) -> BTreeMap<[u32; 2], Corners> {
+    let mut all: BTreeMap<[u32; 2], Corners> = BTreeMap::new();
+    for (place, (facet, partner)) in own.iter().zip(partners).enumerate() {
+        let opposite = &other[partner.facet];
+        for (corner, &facing) in partner.corners.iter().enumerate() {
+            let nodes = [facet.nodes[corner], opposite.nodes[facing]];
+            if nodes[0] == nodes[1] {
+                continue;
+            }
+            let vector = (facet.shares[corner] - opposite.shares[facing]) * 0.5;
+            let area = (facet.areas[corner] + opposite.areas[facing]) * 0.5;
+            let corners = all.entry(nodes).or_default();
+            corners.patch.push(corners.facets.len());
+            corners.facets.push((place, facet.normal(), vector, area));
+        }
+    }
+    // Rounding does not part what lies at the angle.
+    let least = angle.cos() - 1e-9;
+    for Corners { facets, patch } in all.values_mut() {
+        for i in 0..facets.len() {
+            for j in 0..i {
+                if facets[i].1.dot(&facets[j].1) >= least && patch[i] != patch[j] {
+                    let (kept, gone) = (patch[i].min(patch[j]), patch[i].max(patch[j]));
+                    patch
+                        .iter_mut()
+                        .filter(|p| **p == gone)
+                        .for_each(|p| *p = kept);
+                }
+            }
+        }
+    }
+    all
+}

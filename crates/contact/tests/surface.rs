@@ -1,0 +1,162 @@
+//! Pairs from the facets of a mesh.
+
+use powerhouse_contact::{ContactError, JointSurface, SurfaceOptions};
+use powerhouse_model::{Mesh, Vec3};
+
+fn options() -> SurfaceOptions {
+    SurfaceOptions::within(1e-6).unwrap()
+}
+
+fn chosen(mesh: &Mesh, condition: impl Fn(Vec3) -> bool) -> Vec<u32> {
+    (0..mesh.element_count() as u32)
+        .filter(|&e| condition(mesh.centroid(e)))
+        .collect()
+}
+
+/// The surface between two parts of a mesh, cut open.
+fn cut(mesh: &Mesh, first: impl Fn(Vec3) -> bool) -> (Mesh, JointSurface) {
+    let (first, second) = (chosen(mesh, &first), chosen(mesh, |c| !first(c)));
+    let split = mesh.split_between(&first, &second).unwrap();
+    let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options());
+    (split.mesh, surface.unwrap())
+}
+
+/// A plane cut gives each node one pair, with the plane's normal and its share of the area.
+#[test]
+fn a_plane_joint_has_one_pair_per_node() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 2.0, 3.0), [2, 2, 3], "rock");
+    let (mesh, surface) = cut(&mesh.unwrap(), |c| c.z < 1.0);
+    assert_eq!((surface.pairs.len(), surface.facets.len()), (9, 4));
+    assert!((surface.area() - 4.0).abs() < 1e-14);
+    assert_eq!(surface.worst_gap, 0.0);
+    for pair in &surface.pairs {
+        assert!((pair.normal - Vec3::z()).norm() < 1e-15);
+        let [a, b] = pair.nodes.map(|node| mesh.positions()[node as usize]);
+        assert_eq!(a, b);
+        let edges = [a.x, a.y].iter().filter(|&&x| x == 0.0 || x == 2.0).count();
+        assert!((pair.area - 0.5_f64.powi(edges as i32)).abs() < 1e-15);
+    }
+    let corners = surface
+        .facets
+        .iter()
+        .flat_map(|facet| facet.nodes.iter().zip(&facet.pairs));
+    for (node, pair) in corners {
+        assert_eq!(surface.pairs[pair.unwrap() as usize].nodes[0], *node);
+    }
+}
+
+/// A cube inside another has, on its edges and corners, one pair for each of its faces that meet
+/// there: 6 faces of 9 nodes. With an angle of 90 degrees it has one for each node.
+#[test]
+fn edges_and_corners_have_a_pair_for_each_patch() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(4.0), [4; 3], "rock").unwrap();
+    let inside = |c: Vec3| (c - Vec3::repeat(2.0)).amax() < 1.0;
+    let (_, surface) = cut(&mesh, |c| !inside(c));
+    assert_eq!(surface.pairs.len(), 6 * 9);
+    assert!((surface.area() - 24.0).abs() < 1e-13);
+    for pair in &surface.pairs {
+        assert!((pair.normal.amax() - 1.0).abs() < 1e-15);
+    }
+    let (first, second) = (chosen(&mesh, |c| !inside(c)), chosen(&mesh, inside));
+    let split = mesh.split_between(&first, &second).unwrap();
+    let smooth = SurfaceOptions::new(1e-6, core::f64::consts::FRAC_PI_2).unwrap();
+    let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &smooth).unwrap();
+    assert_eq!(surface.pairs.len(), 26);
+    assert!((surface.area() - 24.0).abs() < 1e-13);
+}
+
+/// On a cylinder of 24 facets normals are averaged: radial to the rounding of the mesh, out of the
+/// first side, and areas add up to the facets'.
+#[test]
+fn a_curved_joint_has_radial_normals() {
+    let flat = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(1.0, 24.0, 1.0), [2, 24, 1], "rock");
+    let wrapped = flat.unwrap().map_positions(|p| {
+        let angle = p.y / 24.0 * 1.8 * core::f64::consts::PI;
+        Vec3::new(0.0, 0.0, p.z) + Vec3::new(angle.cos(), angle.sin(), 0.0) * (2.0 + p.x)
+    });
+    let (mesh, surface) = cut(&wrapped.unwrap(), |c| c.xy().norm() < 2.5);
+    assert_eq!(surface.pairs.len(), 2 * 25);
+    let half = 0.9 * core::f64::consts::PI / 24.0;
+    let length = 24.0 * 2.0 * 2.5 * half.sin();
+    assert!((surface.area() - length).abs() < 1e-12);
+    for pair in &surface.pairs {
+        let position = mesh.positions()[pair.nodes[0] as usize];
+        let radial = Vec3::new(position.x, position.y, 0.0).normalize();
+        // At both ends of the arc there is one facet alone, tilted by half the angle.
+        let tilt = pair.normal.dot(&radial).clamp(-1.0, 1.0).acos();
+        assert!(tilt < 1e-7 || (tilt - half).abs() < 1e-7, "{tilt}");
+    }
+}
+
+/// Where the joint ends inside the body its last nodes are shared and have no pair.
+#[test]
+fn a_tip_has_no_pair() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(2.0), [2; 3], "rock").unwrap();
+    let first = chosen(&mesh, |c| c.x < 1.0 && c.z < 1.0);
+    let second = chosen(&mesh, |c| c.x > 1.0 && c.z < 1.0);
+    let split = mesh.split_between(&first, &second).unwrap();
+    let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options());
+    let surface = surface.unwrap();
+    assert_eq!(surface.pairs.len(), 3);
+    let tips = surface
+        .facets
+        .iter()
+        .flat_map(|facet| &facet.pairs)
+        .filter(|p| p.is_none());
+    assert_eq!(tips.count(), 4);
+}
+
+/// Sides that are meshed apart are matched within the tolerance; the worst gap is named, and what
+/// does not match is refused with the facet that is farthest off.
+#[test]
+fn sides_meshed_apart_are_matched() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 2.0, 2.0), [2; 3], "rock").unwrap();
+    let (below, above) = (chosen(&mesh, |c| c.z < 1.0), chosen(&mesh, |c| c.z > 1.0));
+    let split = mesh.split_between(&below, &above).unwrap();
+    let copies: Vec<u32> = split.copies.iter().map(|[_, copy]| *copy).collect();
+    let moved = |by: f64| {
+        let mut index = 0;
+        let shift = |p: Vec3| {
+            let copy = copies.contains(&index);
+            index += 1;
+            if copy && p.x == 2.0 && p.y == 2.0 {
+                p + Vec3::x() * by
+            } else {
+                p
+            }
+        };
+        let shift = std::cell::RefCell::new(shift);
+        split
+            .mesh
+            .clone()
+            .map_positions(|p| (shift.borrow_mut())(p))
+            .unwrap()
+    };
+    let between =
+        |mesh: &Mesh| JointSurface::between(mesh, &split.first, &split.second, &options());
+    let near = moved(1e-7);
+    let surface = between(&near).unwrap();
+    assert!((surface.worst_gap - 1e-7).abs() < 1e-15);
+    let worst = split
+        .copies
+        .iter()
+        .find(|[node, _]| mesh.positions()[*node as usize] == Vec3::new(2.0, 2.0, 1.0));
+    let tags = worst.unwrap().map(|node| near.node_tags()[node as usize]);
+    assert_eq!(surface.worst_nodes, tags);
+
+    let error = between(&moved(0.1)).unwrap_err();
+    assert!(
+        matches!(error, ContactError::Unmatched { element: 4, nearest: 8, distance, .. }
+            if (distance - 0.025).abs() < 1e-12),
+        "{error}"
+    );
+    let part = JointSurface::between(&split.mesh, &split.first[..3], &split.second, &options());
+    assert!(matches!(
+        part,
+        Err(ContactError::Unmatched { element: 8, .. })
+    ));
+    assert_eq!(
+        JointSurface::between(&split.mesh, &[], &split.second, &options()),
+        Err(ContactError::Empty)
+    );
+}
