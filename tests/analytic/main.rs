@@ -1,4 +1,5 @@
 //! Whole models against closed forms.
 
 mod column;
+mod joints;
 mod sphere;

@@ -82,6 +82,16 @@ impl Group {
                 coupling.view_mut((3 * a, 3 * b), (3, 3)).copy_from(&block);
             }
         }
+        for a in 0..count {
+            // A direction in which supports hold both nodes; what is left there is rounding.
+            let trace: f64 = (3 * a..3 * a + 3).map(|row| coupling[(row, row)]).sum();
+            for row in 3 * a..3 * a + 3 {
+                if coupling[(row, row)] < 1e-12 * trace {
+                    coupling.row_mut(row).fill(0.0);
+                    coupling.column_mut(row).fill(0.0);
+                }
+            }
+        }
         self.coupling = coupling;
         self.matrices = Matrices::new(&self.coupling, &vec![true; count]);
         self.branches = branches(
