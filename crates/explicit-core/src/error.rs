@@ -143,6 +143,14 @@ pub enum EngineError {
         /// The node's number.
         node: u64,
     },
+    /// A load on both sides of a facet: a pressure cancels, a traction counts twice.
+    #[error("the loaded facets hold both sides of the face between elements {element} and {other}")]
+    BothSides {
+        /// The number of the element on one side.
+        element: u64,
+        /// The number of the element on the other.
+        other: u64,
+    },
     /// Spring or dashpot that is not symmetric and positive semi-definite.
     #[error("the boundary {what} at node {node} is not symmetric and positive semi-definite")]
     Impedance {

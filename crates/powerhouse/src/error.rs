@@ -83,6 +83,14 @@ pub enum Error {
         /// The user's number of the element.
         element: u64,
     },
+    /// A kernel that none of its part's elements is for.
+    #[error("part '{set}' has no element that the kernel '{kernel}' takes")]
+    IdleKernel {
+        /// The part's set.
+        set: String,
+        /// The kernel.
+        kernel: String,
+    },
     /// A start from the field's motion, and no field.
     #[error("the run is to start from the field's motion, but the scene has no field")]
     NoField,

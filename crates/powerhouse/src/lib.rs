@@ -54,7 +54,7 @@ pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use output::{
     CutWish, EnergyResidual, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, ResultFolder,
-    Results, SnapshotWish,
+    Results, SnapshotWish, StressWish,
 };
 pub use part::{Kernel, Material, Part};
 pub use registry::Registry;

@@ -230,6 +230,14 @@ impl Part {
         self.damping = damping;
         self
     }
+    /// The part's own kernel, if it is for none of the kinds.
+    pub(crate) fn idle_kernel(
+        &self,
+        mut kinds: impl Iterator<Item = ElementKind>,
+    ) -> Option<&Kernel> {
+        let kernel = self.kernel.as_ref()?;
+        (!kinds.any(|kind| kind == kernel.kind())).then_some(kernel)
+    }
     /// The kernel for a kind of element.
     pub(crate) fn kernel_for(&self, kind: ElementKind) -> Option<Kernel> {
         match &self.kernel {

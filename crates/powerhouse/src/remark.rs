@@ -3,7 +3,7 @@
 use core::fmt;
 
 use powerhouse_model::Vec3;
-use powerhouse_wavefield::{BaselineReport, QuietStart, RecordReport};
+use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
 /// Something that a user should know of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,15 @@ pub enum Remark {
         name: String,
         /// What was taken differently.
         doubt: String,
+    },
+    /// How a record that is not the incident wave became it.
+    Conversion {
+        /// The field's name.
+        wave: String,
+        /// What the record is.
+        convention: &'static str,
+        /// Factor and regularised division.
+        conversion: InputConversion,
     },
     /// All waves were delayed alike, and those past the critical angle tapered, so that the body
     /// may start at rest.
@@ -70,7 +79,10 @@ impl Remark {
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
             | Self::LoadedSurface { .. } => true,
-            Self::Record { .. } | Self::QuietStart { .. } | Self::Scatterer { .. } => false,
+            Self::Record { .. }
+            | Self::Conversion { .. }
+            | Self::QuietStart { .. }
+            | Self::Scatterer { .. } => false,
         }
     }
 }
@@ -105,6 +117,25 @@ impl fmt::Display for Remark {
                 Ok(())
             }
             Self::RecordFile { name, doubt } => write!(f, "record '{name}': {doubt}"),
+            Self::Conversion {
+                wave,
+                convention,
+                conversion,
+            } => match &conversion.within {
+                None => write!(
+                    f,
+                    "{wave}: the incident wave is {:.4} of its record ({convention})",
+                    conversion.amplitude.norm()
+                ),
+                Some(within) => write!(
+                    f,
+                    "{wave}: the incident wave was found from motion within the ground, regularised by {}, which misses {:.2e} of the record; it peaks at {:.3} of the record, where that has motion the ground passes on {:.3} or more",
+                    within.regularisation,
+                    within.misfit,
+                    within.amplification,
+                    within.least_transfer
+                ),
+            },
             Self::QuietStart { padding, waves } => {
                 write!(
                     f,

@@ -251,6 +251,116 @@ fn every_fault_has_its_place() {
     }
 }
 
+/// What would be ignored, or could not be computed, is told where it stands, before any work.
+#[test]
+fn nothing_is_taken_and_ignored() {
+    let history = "[[output.history]]\nname = \"crown\"\nat = [0, 0, -60]\n";
+    for (old, new, message) in [
+        (
+            "[0, 0, -60]\n",
+            "[0, 0, -60]\nquantities = §[]\n",
+            "found an empty list",
+        ),
+        (
+            "at = [0, 0, -60]\n",
+            "set = \"top\"\nquantities = [\"velocity\", §\"stress\"]\n",
+            "found stress at a node or set",
+        ),
+        (
+            "at = [0, 0, -60]\n",
+            "element = 2400\nquantities = [§\"velocity\"]\n",
+            "found motion of an element",
+        ),
+        (
+            "at = [0, 0, -60]\n",
+            "element = §1000000\n",
+            "no element '1000000'",
+        ),
+        (
+            "at = [0, 0, -60]\n",
+            "node = §1000000\n",
+            "no node '1000000'",
+        ),
+        (
+            "at = [0, 0, -60]\n",
+            "set = \"top\"\nwithin = §0.1\n",
+            "the key 'at' is missing",
+        ),
+        (
+            "\"crown\"",
+            "§\"crown\"\nelement = 2400",
+            "exactly one of at, node, set, element",
+        ),
+        (
+            history,
+            "[[output.relative]]\nname = §\"a\"\nat = [0, 0, -60]\n",
+            "exactly one of from, from_node, from_set",
+        ),
+        (
+            history,
+            "[output.envelope]\nquantities = §[]\n",
+            "found an empty list",
+        ),
+        ("cut = [0, 20]", "taper = §1", "the key 'cut' is missing"),
+        (
+            "kernel = \"hex8-full\"",
+            "kernel = §\"wedge6\"",
+            "no element that the kernel 'wedge6' takes",
+        ),
+        (
+            "file = \"../records",
+            "length = §\"cut\"\nfile = \"../records",
+            "the key 'components' is missing",
+        ),
+        (
+            "name = \"el-centro\"\n",
+            "name = §\"el-centro\"\ncomponents = { x = \"a\" }\n",
+            "exactly one of file, components",
+        ),
+        (
+            "record = \"el-centro\"",
+            "record = \"el-centro\"\ncomponent = §\"x\"",
+            "there is no record 'el-centro.x'",
+        ),
+        (
+            "title",
+            "threads = §0\ntitle",
+            "expected a whole number above 0",
+        ),
+        (
+            "[time]",
+            "[[support]]\nkind = \"roller\"\nset = \"left\"\nnormal = §[0, 0, 0]\n[time]",
+            "expected a direction",
+        ),
+        (
+            "[time]",
+            "[[support]]\nkind = \"roller\"\nset = §\"intrados\"\n[time]",
+            "found facets that face different ways",
+        ),
+        (
+            "[time]",
+            "[[support]]\nkind = \"prescribed\"\nset = \"left\"\ndisplacement = 1\ndirection = §[0, 0, 0]\n[time]",
+            "expected a direction",
+        ),
+        (
+            "[time]",
+            "§[[support]]\nkind = \"prescribed\"\nset = \"left\"\ndirection = [1, 0, 0]\n[time]",
+            "exactly one of displacement, record",
+        ),
+    ] {
+        let told = fault(old, new).to_string();
+        assert!(told.contains(message), "{new}: {told}");
+    }
+    let wave = "[[wave]]\nkind = \"sv\"\nincidence = 30\nrecord = \"el-centro\"\n";
+    let still = SOUND.replace(wave, "");
+    let told = fault_of(
+        &still,
+        "duration = 20",
+        "duration = 20\ninitial = §\"field\"",
+    );
+    assert!(told.to_string().contains("no field"), "{told}");
+}
+
 /// The free field has one medium: faces before rock and concrete are refused.
 #[test]
 fn a_field_has_one_medium() {
@@ -304,6 +414,49 @@ fn what_the_model_refuses_has_a_place_too() {
         error.contains("test.toml:42:8: a step of 1.000000e-2 s"),
         "{error}"
     );
+    for (old, new, message) in [
+        (
+            "duration = 20",
+            "duration = 20\nscheme = §\"one-sided\"",
+            "needs stiffness damping",
+        ),
+        (
+            "duration = 20",
+            "duration = 20\nstep = 1e-5\nscheme = §\"one-sided\"",
+            "needs stiffness damping",
+        ),
+        (
+            "[[output.history]]",
+            "[[output.section]]\nname = \"a\"\nset = \"lining\"\nat = §[0, 0, -5]\nnormal = [0, 0, 1]\nalong = [1, 0, 0]\n[[output.history]]",
+            "meets none of its elements",
+        ),
+        (
+            "[[output.history]]",
+            "[[output.section]]\nname = \"a\"\nset = \"lining\"\nat = §[0, 0, -60]\nnormal = [1, 0, 0]\nalong = [2, 0, 0]\n[[output.history]]",
+            "gives no direction",
+        ),
+        (
+            "[time]",
+            "[[support]]\nkind = \"fixed\"\nset = \"left\"\n[[support]]\nkind = \"prescribed\"\nset = \"left\"\ndisplacement = 1\ndirection = §[1, 0, 0]\n[time]",
+            "already held or prescribed",
+        ),
+    ] {
+        let (before, after) = new.split_once('§').unwrap();
+        let marked = SOUND.replacen(old, new, 1);
+        let start = marked.find('§').unwrap();
+        let (line, column) = (
+            marked[..start].matches('\n').count() + 1,
+            marked[..start].rsplit('\n').next().unwrap().len() + 1,
+        );
+        let text = SOUND.replacen(old, &format!("{before}{after}"), 1);
+        let prepared = read(&text).unwrap().prepare();
+        let error = prepared.and_then(|mut simulation| simulation.step());
+        let Err(Error::Scene(fault)) = error else {
+            panic!("{new}: {error:?}")
+        };
+        assert!(fault.to_string().contains(message), "{new}: {fault}");
+        assert_eq!(fault.position(), (line, column), "{new}");
+    }
     let behind = SOUND.replace("[time]", "scatterer = [0, 0, -150]\n[time]");
     let Err(error) = read(&behind).unwrap().prepare() else {
         panic!("a scatterer on a face was accepted")

@@ -48,9 +48,12 @@ pub(crate) fn output(plan: &OutputPlan, mesh: &Mesh, duration: f64) -> u64 {
     let columns: u64 = plan
         .histories
         .iter()
-        .map(|wish| 3 * vectors(wish.motion) + if wish.stress { 9 } else { 0 })
+        .map(|wish| 3 * vectors(wish.motion))
         .sum();
-    let columns = columns + 4 * plan.relative.len() as u64 + 9 * plan.cuts.len() as u64;
+    let columns = columns
+        + 9 * plan.stresses.len() as u64
+        + 4 * plan.relative.len() as u64
+        + 9 * plan.cuts.len() as u64;
     let mut bytes = columns * rows(plan.every) * NUMBER;
     // What does not change is in every file too: positions, numbers, connectivity, sets.
     let fixed = 16 * nodes + elements * (20 + mesh.element_sets().len() as u64 / 8);

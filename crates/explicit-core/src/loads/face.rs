@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::{Facet, Mesh, NodalLoad, ParameterError, TimeFunction, Vec3};
 
+use crate::EngineError;
+
 /// How a pressure or traction varies over a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -83,6 +85,23 @@ impl Shares {
     }
 }
 
+/// Refuses facets that hold a face from both of its sides, as a set inside a body does.
+fn check_sides(mesh: &Mesh, facets: &[Facet]) -> Result<(), EngineError> {
+    let mut seen: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+    let tag = |element: u32| mesh.element_tags()[element as usize];
+    for facet in facets {
+        let mut nodes = mesh.facet_nodes(*facet);
+        nodes.sort_unstable();
+        if let Some(element) = seen.insert(nodes, facet.element) {
+            return Err(EngineError::BothSides {
+                element: tag(element),
+                other: tag(facet.element),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Shape functions and outward vector area of the Gauss points of a triangle (three, exact to the
 /// second degree) or a quadrilateral (2 x 2, exact to the third in each direction).
 fn gauss_points(corners: &[Vec3]) -> Vec<(Vec<f64>, Vec3)> {
@@ -142,7 +161,8 @@ impl FacePressure {
     /// Profile times history is the pressure (Pa).
     ///
     /// # Errors
-    /// If a number of the profile is not finite.
+    /// If a number of the profile is not finite; [`EngineError::BothSides`] for facets inside a body
+    /// that are listed from both sides.
     ///
     /// # Panics
     /// If a facet does not belong to the mesh.
@@ -151,8 +171,9 @@ impl FacePressure {
         facets: &[Facet],
         profile: Profile,
         history: Box<dyn TimeFunction>,
-    ) -> Result<Self, ParameterError> {
+    ) -> Result<Self, EngineError> {
         profile.check()?;
+        check_sides(mesh, facets)?;
         Ok(Self {
             shares: Shares::integrate(mesh, facets, |x, area| -area * profile.at(x)),
             history,
@@ -182,7 +203,8 @@ impl FaceTraction {
     /// `traction` times profile times history is the force per area (Pa).
     ///
     /// # Errors
-    /// If a number of the profile is not finite.
+    /// If a number of the profile is not finite; [`EngineError::BothSides`] for facets inside a body
+    /// that are listed from both sides.
     ///
     /// # Panics
     /// If a facet does not belong to the mesh.
@@ -192,8 +214,9 @@ impl FaceTraction {
         traction: Vec3,
         profile: Profile,
         history: Box<dyn TimeFunction>,
-    ) -> Result<Self, ParameterError> {
+    ) -> Result<Self, EngineError> {
         profile.check()?;
+        check_sides(mesh, facets)?;
         let of = |x: &Vec3, area: Vec3| traction * (area.norm() * profile.at(x));
         Ok(Self {
             shares: Shares::integrate(mesh, facets, of),

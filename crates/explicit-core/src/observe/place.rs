@@ -97,6 +97,12 @@ impl From<Vec3> for Place {
     }
 }
 
+impl From<Spot> for Place {
+    fn from(spot: Spot) -> Self {
+        Self::Spot(spot)
+    }
+}
+
 /// Where stress is observed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StressPlace {

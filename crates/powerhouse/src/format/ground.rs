@@ -14,8 +14,13 @@ pub struct Record {
     /// The name that waves refer to.
     pub name: At<String>,
     /// The file, relative to the scene file: PEER AT2, or text in one column (with `time_step`) or
-    /// two columns (time in s, acceleration).
-    pub file: At<PathBuf>,
+    /// two columns (time in s, acceleration). A record has either a file or components.
+    pub file: Option<At<PathBuf>>,
+    /// The files of up to three components of one station; a wave takes one of them. They are
+    /// treated alike: one length, one cut, one factor to the peak.
+    pub components: Option<At<Components>>,
+    /// How components of unequal length get a common one; `pad` by default.
+    pub length: Option<At<Length>>,
     /// Units of the accelerations in the file. PEER AT2 files say it themselves; for text files it
     /// must be given.
     pub units: Option<Units>,
@@ -29,17 +34,41 @@ pub struct Record {
     pub cut: Option<At<[NonNegative; 2]>>,
     /// Over this time before the cut's end the acceleration falls to zero (s); 0 by default, a
     /// plain cut.
-    pub taper: Option<NonNegative>,
+    pub taper: Option<At<NonNegative>>,
     /// How drift of velocity and displacement is taken out; not at all by default.
     #[serde(default)]
     pub baseline: At<Baseline>,
-    /// The peak acceleration to which the record is scaled at last (m/s2).
+    /// The peak acceleration to which the record is scaled at last (m/s2), of components that of
+    /// the largest.
     pub peak: Option<Positive>,
     /// Lasting displacement at the record's end (m), 0 by default. A record that ends elsewhere,
     /// or in motion, is refused.
     pub end_displacement: Option<Finite>,
     /// What the record is.
     pub convention: At<Convention>,
+}
+
+/// The components of a record, each a file like that of a record. The names say what waves refer
+/// to; they turn nothing.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Components {
+    /// The first horizontal component.
+    pub x: Option<At<PathBuf>>,
+    /// The second horizontal component.
+    pub y: Option<At<PathBuf>>,
+    /// The vertical component.
+    pub z: Option<At<PathBuf>>,
+}
+
+/// How components get a common length.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Length {
+    /// The shortest cuts the others.
+    Cut,
+    /// Zeros make all as long as the longest.
+    Pad,
 }
 
 /// Units of acceleration.
@@ -146,6 +175,17 @@ pub enum Component {
     Z,
 }
 
+impl Component {
+    /// Its name.
+    pub fn letter(self) -> char {
+        match self {
+            Self::X => 'x',
+            Self::Y => 'y',
+            Self::Z => 'z',
+        }
+    }
+}
+
 /// The ground without the structure. Its medium is that of the elements behind the boundary.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -181,6 +221,8 @@ pub struct Wave {
     pub azimuth: Option<Azimuth>,
     /// The record, by name. A wave has either a record or a pulse.
     pub record: Option<At<String>>,
+    /// The component of a record that has some.
+    pub component: Option<At<Component>>,
     /// A test pulse.
     pub pulse: Option<At<Pulse>>,
     /// When the record's t = 0 arrives at the reference point (s), 0 by default.

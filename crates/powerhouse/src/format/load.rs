@@ -36,9 +36,12 @@ pub enum Support {
         set: At<String>,
         /// The direction, of any length.
         direction: At<[Finite; 3]>,
-        /// Displacement along it (m), times the function.
-        displacement: Finite,
-        /// Function of time, one at all times by default.
+        /// Displacement along it (m). Either this or a record is given.
+        displacement: Option<Finite>,
+        /// The record, by name (and component, as `name.x`), whose displacement it is; it starts
+        /// at t = 0, with what a filter put before it.
+        record: Option<At<String>>,
+        /// Function of time by which either is multiplied, one at all times by default.
         function: Option<Function>,
     },
 }
@@ -81,6 +84,9 @@ pub enum Load {
         set: At<String>,
         /// Traction (Pa) in x, y and z, times the function.
         traction: [Finite; 3],
+        /// If given, the traction grows with the depth below this height (m), where it starts from
+        /// zero; `traction` is then its increase per metre (Pa/m).
+        level: Option<Finite>,
         /// Function of time, one at all times by default.
         function: Option<Function>,
     },
@@ -101,6 +107,16 @@ pub(crate) const GRAVITY: f64 = 9.81;
 pub(crate) const WATER_DENSITY: f64 = 1000.0;
 
 impl Load {
+    /// The set that it acts on; all parts if none.
+    pub fn set(&self) -> Option<&At<String>> {
+        match self {
+            Self::Gravity { .. } => None,
+            Self::Pressure { set, .. }
+            | Self::Water { set, .. }
+            | Self::Traction { set, .. }
+            | Self::Nodal { set, .. } => Some(set),
+        }
+    }
     /// The load's function of time, if it is not constant.
     pub fn function(&self) -> Option<&Function> {
         match self {

@@ -20,6 +20,7 @@ mod quantity;
 mod residual;
 mod time;
 
+use core::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
@@ -29,8 +30,8 @@ pub use at::At;
 pub use decode::decode;
 pub use function::{Function, Pulse};
 pub use ground::{
-    Baseline, BoundarySection, Component, Convention, Count, Ground, Record, Space, Units, Wave,
-    WaveKind, Within,
+    Baseline, BoundarySection, Component, Components, Convention, Count, Ground, Length, Record,
+    Space, Units, Wave, WaveKind, Within,
 };
 pub(crate) use load::{GRAVITY, WATER_DENSITY};
 pub use load::{Load, Support};
@@ -85,6 +86,8 @@ pub struct SceneFile {
     /// number, or `"off"`.
     #[serde(default)]
     pub energy_residual: Residual,
+    /// Threads that compute, all by default. Results do not depend on them.
+    pub threads: Option<At<NonZeroUsize>>,
     /// What is written.
     #[serde(default)]
     pub output: Output,

@@ -49,7 +49,7 @@ pub enum Quantity {
     Stress,
 }
 
-/// Histories at a place: exactly one of `at`, `node` and `set`.
+/// Histories at a place: exactly one of `at`, `node`, `set` and `element`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct History {
@@ -60,32 +60,41 @@ pub struct History {
     pub at: Option<At<[Finite; 3]>>,
     /// A node by its number in the mesh file; it has no stress.
     pub node: Option<At<u64>>,
-    /// A node or facet set: the mean over its nodes; it has no stress.
+    /// A node, facet or element set: the mean over its nodes; it has no stress.
     pub set: Option<At<String>>,
-    /// What is recorded; displacement, velocity and acceleration by default.
-    #[serde(default = "motion")]
-    pub quantities: Vec<Quantity>,
+    /// An element by its number in the mesh file; it has stress alone.
+    pub element: Option<At<u64>>,
+    /// The element set in which the point lies, which decides the side of a joint or interface.
+    pub among: Option<At<String>>,
+    /// How far the point may be moved to lie in an element (m), such as onto the chord of a round
+    /// wall; 0.001 by default.
+    pub within: Option<At<Positive>>,
+    /// What is recorded; displacement, velocity and acceleration by default, the stress of an
+    /// element.
+    pub quantities: Option<At<Vec<At<Quantity>>>>,
 }
 
-fn motion() -> Vec<Quantity> {
-    vec![
-        Quantity::Displacement,
-        Quantity::Velocity,
-        Quantity::Acceleration,
-    ]
-}
-
-/// The displacement of a point relative to another one, in x, y, z and along the line between
-/// them.
+/// The displacement of a place relative to another one, in x, y, z and along the line between
+/// them. Each of the two is given by exactly one key.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RelativeDisplacement {
     /// The name in results.
     pub name: At<String>,
-    /// The point (m).
-    pub at: At<[Finite; 3]>,
+    /// The place by a point (m).
+    pub at: Option<At<[Finite; 3]>>,
+    /// The place by a node's number in the mesh file.
+    pub node: Option<At<u64>>,
+    /// The place by a set: the mean over its nodes.
+    pub set: Option<At<String>>,
     /// The point to which its displacement is relative (m).
-    pub from: At<[Finite; 3]>,
+    pub from: Option<At<[Finite; 3]>>,
+    /// The node to which it is relative.
+    pub from_node: Option<At<u64>>,
+    /// The set to whose mean it is relative.
+    pub from_set: Option<At<String>>,
+    /// How far points may be moved to lie in an element (m); 0.001 by default.
+    pub within: Option<At<Positive>>,
 }
 
 /// Forces in a plane cut through a lining or pillar.
@@ -102,8 +111,8 @@ pub struct Section {
     pub normal: At<[Finite; 3]>,
     /// A direction in the plane, such as the axis of a tunnel.
     pub along: At<[Finite; 3]>,
-    /// Only elements within this distance of `at` belong to the cut (m); all by default. A plane
-    /// cuts a ring twice: this picks one side.
+    /// Only elements in the cube of which `at` is the centre and this half the edge, along the axes,
+    /// belong to the cut (m); all by default. A plane cuts a ring twice: this picks one side.
     pub reach: Option<Positive>,
 }
 
@@ -112,8 +121,7 @@ pub struct Section {
 #[serde(deny_unknown_fields)]
 pub struct Envelope {
     /// What is tracked; displacement, velocity and acceleration by default.
-    #[serde(default = "motion")]
-    pub quantities: Vec<Quantity>,
+    pub quantities: Option<At<Vec<At<Quantity>>>>,
     /// Element sets on which it is tracked; all parts by default.
     pub sets: Option<Vec<At<String>>>,
     /// Time between looks (s); 0.005 by default.
@@ -127,10 +135,5 @@ pub struct Snapshots {
     /// Time between them (s).
     pub every: Positive,
     /// What they hold; displacement and velocity by default.
-    #[serde(default = "picture")]
-    pub quantities: Vec<Quantity>,
-}
-
-fn picture() -> Vec<Quantity> {
-    vec![Quantity::Displacement, Quantity::Velocity]
+    pub quantities: Option<At<Vec<At<Quantity>>>>,
 }

@@ -8,6 +8,8 @@ mod summary;
 mod vtu;
 
 pub use folder::ResultFolder;
-pub use plan::{CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, SnapshotWish};
+pub use plan::{
+    CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, SnapshotWish, StressWish,
+};
 pub(crate) use results::Recordings;
 pub use results::{EnergyResidual, Results};

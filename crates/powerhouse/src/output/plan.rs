@@ -1,8 +1,8 @@
 //! What is wanted of a run.
 
-use powerhouse_explicit_core::observe::{Cut, Motion, Place, SnapshotFields};
+use powerhouse_explicit_core::observe::{Cut, Motion, Place, SnapshotFields, StressPlace};
 
-/// Motion, and stress if the place has one, at a place.
+/// Motion at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HistoryWish {
     /// The name in results.
@@ -11,8 +11,15 @@ pub struct HistoryWish {
     pub place: Place,
     /// Which motions.
     pub motion: Motion,
-    /// Whether the stress of the element at a [`Place::Spot`] is wanted.
-    pub stress: bool,
+}
+
+/// The stress of an element.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StressWish {
+    /// The name in results.
+    pub name: String,
+    /// Where.
+    pub place: StressPlace,
 }
 
 /// The displacement of a place relative to another.
@@ -77,6 +84,8 @@ pub struct OutputPlan {
     pub every: f64,
     /// Histories.
     pub histories: Vec<HistoryWish>,
+    /// Histories of stress.
+    pub stresses: Vec<StressWish>,
     /// Relative displacements.
     pub relative: Vec<RelativeWish>,
     /// Cuts.
@@ -95,6 +104,7 @@ impl Default for OutputPlan {
         Self {
             every: 0.005,
             histories: Vec::new(),
+            stresses: Vec::new(),
             relative: Vec::new(),
             cuts: Vec::new(),
             energies: None,
@@ -112,7 +122,15 @@ impl OutputPlan {
             name: name.into(),
             place: place.into(),
             motion,
-            stress: false,
+        });
+        self
+    }
+    /// Adds the stress of an element, by its number or around a point.
+    #[must_use]
+    pub fn stress(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
+        self.stresses.push(StressWish {
+            name: name.into(),
+            place: place.into(),
         });
         self
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use powerhouse_explicit_core::RunReport;
 use powerhouse_explicit_core::observe::{
     CutSource, EnergyHistory, Envelope, EnvelopeTable, History, HistoryTable, Motion, PeakTable,
-    Place, Recording, SectionForces, SectionGeometry, StressPlace,
+    Recording, SectionForces, SectionGeometry,
 };
 use powerhouse_model::{Cadence, Mesh, ModelError, Observer};
 
@@ -105,7 +105,7 @@ impl Recordings {
             energies: None,
             envelope: None,
         };
-        if !(plan.histories.is_empty() && plan.relative.is_empty()) {
+        if !(plan.histories.is_empty() && plan.stresses.is_empty() && plan.relative.is_empty()) {
             let history = histories(plan, mesh)?;
             recordings.histories = Some(history.recording());
             observers.push(Box::new(history));
@@ -183,9 +183,9 @@ fn histories(plan: &OutputPlan, mesh: &Mesh) -> Result<History, Error> {
         if wish.motion != Motion::default() {
             builder = builder.motion(&wish.name, wish.place.clone(), wish.motion);
         }
-        if let (true, Place::Spot(spot)) = (wish.stress, &wish.place) {
-            builder = builder.stress(&wish.name, StressPlace::Spot(spot.clone()));
-        }
+    }
+    for wish in &plan.stresses {
+        builder = builder.stress(&wish.name, wish.place.clone());
     }
     for wish in &plan.relative {
         let (from, at) = (wish.from.clone(), wish.at.clone());

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
-    Angle, EndDisplacement, HarmonicBurst, PlaneWave, PlaneWaveParameters, QuietStart,
-    QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, Superposition, WaveError,
-    WaveKind, ZeroMeanPulse, first_hit_corner,
+    Angle, EndDisplacement, HarmonicBurst, InputConvention, PlaneWave, PlaneWaveParameters,
+    QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, Superposition,
+    WaveError, WaveKind, ZeroMeanPulse, first_hit_corner,
 };
 
 use super::record::PreparedRecord;
@@ -66,7 +66,16 @@ pub(super) fn field(
             None => first_hit_corner(&low, &high, &parameters.direction()),
         };
         parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
-        waves.push(plane_wave(table, parameters, records)?);
+        let wave = plane_wave(table, parameters, records)?;
+        let convention = wave.parameters().convention;
+        if convention != InputConvention::Incident {
+            scene.remarks.push(Remark::Conversion {
+                wave: wave.name().into(),
+                convention: convention.name(),
+                conversion: *wave.conversion(),
+            });
+        }
+        waves.push(wave);
     }
     let waves = quiet(waves, &file.waves, (low, high), scene)?;
     let fields = waves.into_iter();
@@ -76,6 +85,19 @@ pub(super) fn field(
     Ok(Some(Arc::new(sum)))
 }
 
+/// The record of a wave: by its name, or a component of one that has some.
+fn component<'r>(
+    name: &At<String>,
+    component: Option<&At<format::Component>>,
+    records: &'r BTreeMap<String, PreparedRecord>,
+) -> Result<&'r PreparedRecord, Fault> {
+    let Some(component) = component else {
+        return named("record", name, records);
+    };
+    let full = format!("{}.{}", **name, component.letter());
+    named("record", &At::new(full, component.span()), records)
+}
+
 fn plane_wave(
     table: &Wave,
     mut parameters: PlaneWaveParameters,
@@ -83,9 +105,13 @@ fn plane_wave(
 ) -> Result<PlaneWave, Fault> {
     let factor = table.factor.map_or(1.0, Finite::get);
     let mut place = table.incidence.span();
+    if let (Some(component), None) = (&table.component, &table.record) {
+        let key = "record".into();
+        return Err(Fault::new(component.span(), Problem::MissingKey { key }));
+    }
     let signal: Arc<dyn Signal> = match (&table.record, &table.pulse) {
         (Some(name), None) => {
-            let record = named("record", name, records)?;
+            let record = component(name, table.component.as_ref(), records)?;
             parameters.convention = record.convention;
             parameters.arrival -= record.lead;
             place = record.place.clone();

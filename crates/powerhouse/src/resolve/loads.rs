@@ -1,21 +1,28 @@
 //! Supports, loads and functions of time.
 
+use std::collections::BTreeMap;
+
 use powerhouse_explicit_core::{
     FacePressure, FaceTraction, NodalForce, PeriodicPairs, Prescribed, Profile, Support,
 };
 use powerhouse_model::{TimeFunction, Vec3};
+use powerhouse_wavefield::{EndDisplacement, Signal};
 
-use super::{Names, vector};
+use super::record::PreparedRecord;
+use super::{Names, named, one_of, vector};
 use crate::Scene;
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_DENSITY};
 
 /// Nodes of periodic faces match within this share of the mesh's diagonal.
 const PERIODIC_TOLERANCE: f64 = 1e-6;
+/// Mean over sum of the areas of a face that passes as plane: cosine of about a degree.
+const PLANE: f64 = 0.999_85;
 
 pub(super) fn supports(
     names: &Names,
     supports: &[At<format::Support>],
+    records: &BTreeMap<String, PreparedRecord>,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
     for support in supports {
@@ -24,13 +31,13 @@ pub(super) fn supports(
                 scene.supports.push(Support::fixed(names.nodes(set)?));
             }
             format::Support::Roller { set, normal } => {
-                let direction = match normal {
-                    Some(normal) => vector(normal),
+                let normal = match normal {
+                    Some(normal) => direction(normal)?,
                     None => mean_normal(names, set)?,
                 };
                 scene
                     .supports
-                    .push(Support::roller(names.nodes(set)?, direction));
+                    .push(Support::roller(names.nodes(set)?, normal));
             }
             format::Support::Periodic { from, to } => {
                 let (from_nodes, to_nodes) = (names.nodes(from)?, names.nodes(to)?);
@@ -43,35 +50,94 @@ pub(super) fn supports(
             }
             format::Support::Prescribed {
                 set,
-                direction,
+                direction: along,
                 displacement,
+                record,
                 function,
-            } => scene.prescribed.push(Prescribed {
-                nodes: names.nodes(set)?,
-                direction: vector(direction),
-                displacement: history(function.as_ref(), displacement.get(), support)?,
-            }),
+            } => {
+                let displacement = match (displacement, record) {
+                    (Some(displacement), None) => {
+                        history(function.as_ref(), displacement.get(), support)?
+                    }
+                    (None, Some(record)) => {
+                        let factor = history(function.as_ref(), 1.0, support)?;
+                        of_record(record, factor, records)?
+                    }
+                    (displacement, record) => {
+                        let found = [displacement.is_some(), record.is_some()];
+                        return Err(one_of(support.span(), &["displacement", "record"], &found));
+                    }
+                };
+                let nodes = names.nodes(set)?;
+                let tag = |&node: &u32| names.mesh.node_tags()[node as usize];
+                let tags = nodes.iter().map(tag).collect();
+                scene.places.prescribed.push((along.span(), tags));
+                scene.prescribed.push(Prescribed {
+                    nodes,
+                    direction: direction(along)?,
+                    displacement,
+                });
+            }
         }
     }
     Ok(())
 }
 
-/// The mean outward normal of a facet set.
+/// A vector that has a direction.
+fn direction(at: &At<[Finite; 3]>) -> Result<Vec3, Fault> {
+    let vector = vector(at);
+    if vector.norm() > 0.0 {
+        return Ok(vector);
+    }
+    let (found, expected) = ("a vector without length".into(), "a direction".into());
+    Err(Fault::new(at.span(), Problem::Value { found, expected }))
+}
+
+/// The displacement of a record, times a factor.
+fn of_record(
+    name: &At<String>,
+    factor: Box<dyn TimeFunction>,
+    records: &BTreeMap<String, PreparedRecord>,
+) -> Result<Box<dyn TimeFunction>, Fault> {
+    let record = named("record", name, records)?;
+    let signal = record
+        .history
+        .clone()
+        .into_signal(EndDisplacement::Declared(record.end))
+        .map_err(|error| Fault::refused(name.span(), error))?;
+    Ok(Box::new(move |t: f64| {
+        factor.value(t) * signal.motion(t).displacement
+    }))
+}
+
+/// The mean outward normal of a plane facet set.
 fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault> {
     if names.mesh.facet_set(set).is_err() && names.mesh.node_set(set).is_ok() {
         let key = "normal".into();
         return Err(Fault::new(set.span(), Problem::MissingKey { key }));
     }
     let facets = names.facets(set)?.iter();
-    Ok(facets
-        .map(|&facet| names.mesh.facet_geometry(facet).vector_area)
-        .sum())
+    let areas = facets.map(|&facet| names.mesh.facet_geometry(facet).vector_area);
+    let areas: Vec<Vec3> = areas.collect();
+    let mean = areas.iter().sum::<Vec3>();
+    let all: f64 = areas.iter().map(Vec3::norm).sum();
+    if mean.norm() >= PLANE * all && all > 0.0 {
+        return Ok(mean);
+    }
+    let problem = Problem::Value {
+        found: "facets that face different ways".into(),
+        expected: "a plane face, or the key 'normal'".into(),
+    };
+    Err(Fault::new(set.span(), problem))
 }
 
 pub(super) fn loads(names: &Names, loads: &[At<Load>], scene: &mut Scene) -> Result<(), Fault> {
     for load in loads {
         let history = |factor: f64| history(load.function(), factor, load);
-        let refused = |error| Fault::refused(load.span(), error);
+        let refused = |error| {
+            let set = load.set().map_or(load.span(), At::span);
+            Fault::refused(set, error)
+        };
         match &**load {
             Load::Gravity { acceleration, .. } => {
                 let acceleration = acceleration.map_or(GRAVITY, Positive::get);
@@ -99,14 +165,19 @@ pub(super) fn loads(names: &Names, loads: &[At<Load>], scene: &mut Scene) -> Res
                 let load = FacePressure::new(names.mesh, facets, profile, history(1.0)?);
                 scene.loads.push(Box::new(load.map_err(refused)?));
             }
-            Load::Traction { set, traction, .. } => {
-                let load = FaceTraction::new(
-                    names.mesh,
-                    names.facets(set)?,
-                    vector(traction),
-                    Profile::Uniform,
-                    history(1.0)?,
-                );
+            Load::Traction {
+                set,
+                traction,
+                level,
+                ..
+            } => {
+                let profile = level.map_or(Profile::Uniform, |level| Profile::Depth {
+                    gradient: 1.0,
+                    level: level.get(),
+                });
+                let (facets, traction) = (names.facets(set)?, vector(traction));
+                let history = history(1.0)?;
+                let load = FaceTraction::new(names.mesh, facets, traction, profile, history);
                 scene.loads.push(Box::new(load.map_err(refused)?));
             }
             Load::Nodal { set, force, .. } => {

@@ -14,7 +14,7 @@ use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Damping, Finite, SceneFile};
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep};
-use crate::{Material, Part, Registry, Remark, Scene};
+use crate::{Error, Material, Part, Registry, Remark, Scene};
 
 /// Composes the scene of a file.
 pub(crate) fn compose(
@@ -32,6 +32,7 @@ pub(crate) fn compose(
     let mesh = mesh(text, &file.mesh)?;
     let names = Names { mesh: &mesh };
     check_parts(&names, file)?;
+    check_kernels(&names, file, &parts)?;
 
     let mut scene = Scene::new(file.title.clone(), mesh.clone());
     scene.parts = parts;
@@ -98,9 +99,16 @@ pub(crate) fn compose(
         }
     }
     scene.field = ground::field(file, &mut scene, &records)?;
-    loads::supports(&names, &file.supports, &mut scene)?;
+    if scene.initial == InitialMotion::Field && scene.field.is_none() {
+        return Err(Fault::refused(file.time.initial.span(), Error::NoField));
+    }
+    scene.threads = file.threads.as_ref().map(|threads| threads.get());
+    loads::supports(&names, &file.supports, &records, &mut scene)?;
     loads::loads(&names, &file.loads, &mut scene)?;
     scene.output = output::plan(&names, &file.output, file.time.duration.get())?;
+    let sections = file.output.sections.iter();
+    let sections = sections.map(|section| (section.name.to_string(), section.at.span()));
+    scene.places.cuts = sections.collect();
     Ok(scene)
 }
 
@@ -180,6 +188,28 @@ fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
         (Some(element), Some(part)) => Err(part_count(mesh, part.set.span(), element, 0)),
         _ => Ok(()),
     }
+}
+
+/// Every element has a kernel, and every kernel an element.
+fn check_kernels(names: &Names, file: &SceneFile, parts: &[Part]) -> Result<(), Fault> {
+    for (part, table) in parts.iter().zip(&file.parts) {
+        let elements = names.elements(&table.set)?;
+        let kinds = elements.iter().map(|&element| names.mesh.kind(element));
+        if let (Some(kernel), Some(at)) = (part.idle_kernel(kinds), &table.kernel) {
+            let (set, kernel) = (part.set.clone(), kernel.name().into());
+            return Err(Fault::refused(at.span(), Error::IdleKernel { set, kernel }));
+        }
+        let unserved = |&&element: &&u32| part.kernel_for(names.mesh.kind(element)).is_none();
+        if let Some(&element) = elements.iter().find(unserved) {
+            let error = Error::NoKernel {
+                element: names.mesh.element_tags()[element as usize],
+                set: part.set.clone(),
+                kind: names.mesh.kind(element).name(),
+            };
+            return Err(Fault::refused(table.set.span(), error));
+        }
+    }
+    Ok(())
 }
 
 fn part_count(mesh: &Mesh, span: core::ops::Range<usize>, element: u32, count: usize) -> Fault {
@@ -279,6 +309,12 @@ fn unique<T>(
             },
         )),
     }
+}
+
+/// Keys of which exactly one must be given.
+fn one_of(span: core::ops::Range<usize>, keys: &'static [&'static str], given: &[bool]) -> Fault {
+    let found = given.iter().filter(|given| **given).count();
+    Fault::new(span, Problem::OneOf { keys, found })
 }
 
 fn vector(numbers: &[Finite; 3]) -> Vec3 {

@@ -1,12 +1,14 @@
 //! What a run records.
 
-use powerhouse_explicit_core::observe::{Cut, Motion, Place, SnapshotFields, Spot};
-use powerhouse_model::{Mesh, Vec3};
+use powerhouse_explicit_core::observe::{Cut, Motion, Place, SnapshotFields, Spot, StressPlace};
+use powerhouse_model::Vec3;
 
-use super::{Names, vector};
+use super::{Names, one_of, vector};
 use crate::fault::{Fault, Problem};
 use crate::format::{At, Finite, History, Output, Positive, Quantity, Section};
-use crate::output::{CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, SnapshotWish};
+use crate::output::{
+    CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, SnapshotWish, StressWish,
+};
 
 /// Looks at the energies during a run, unless the scene says otherwise.
 const ENERGY_LOOKS: f64 = 100.0;
@@ -32,19 +34,31 @@ pub(super) fn plan(names: &Names, output: &Output, duration: f64) -> Result<Outp
         used.push(name);
     }
     for history in &output.histories {
-        plan.histories.push(HistoryWish {
-            name: history.name.to_string(),
-            place: place(names, history)?,
-            motion: motion(&history.quantities),
-            stress: history.quantities.contains(&Quantity::Stress),
-        });
+        histories(names, history, &mut plan)?;
     }
-    for relative in &output.relative {
-        plan.relative.push(RelativeWish {
-            name: relative.name.to_string(),
-            at: spot(names.mesh, &relative.at)?.into(),
-            from: spot(names.mesh, &relative.from)?.into(),
-        });
+    for wish in &output.relative {
+        let keys = (&wish.at, &wish.node, &wish.set);
+        let from = (&wish.from, &wish.from_node, &wish.from_set);
+        let site = Site {
+            names,
+            among: &None,
+            within: &wish.within,
+        };
+        let no_place = |keys, given: [bool; 3]| one_of(wish.name.span(), keys, &given);
+        let at = site
+            .place(keys)?
+            .map_err(|given| no_place(&["at", "node", "set"], given))?;
+        let from = site
+            .place(from)?
+            .map_err(|given| no_place(&["from", "from_node", "from_set"], given))?;
+        if ![&at, &from]
+            .iter()
+            .any(|place| matches!(place, Place::Spot(_)))
+        {
+            site.without_point()?;
+        }
+        let name = wish.name.to_string();
+        plan.relative.push(RelativeWish { name, at, from });
     }
     for section in &output.sections {
         plan.cuts.push(cut(names, section)?);
@@ -60,21 +74,141 @@ pub(super) fn plan(names: &Names, output: &Output, duration: f64) -> Result<Outp
             names.elements(set)?;
             sets.push(set.to_string());
         }
+        let quantities = quantities(&envelope.quantities, &MOTION)?;
         plan.envelope = Some(EnvelopeWish {
-            motion: motion(&envelope.quantities),
-            stress: envelope.quantities.contains(&Quantity::Stress),
+            motion: motion(&quantities),
+            stress: quantities.contains(&Quantity::Stress),
             sets,
             every: envelope.every.map_or(plan.every, Positive::get),
         });
     }
-    plan.snapshots = output.snapshots.as_ref().map(|snapshots| SnapshotWish {
-        fields: SnapshotFields {
-            motion: motion(&snapshots.quantities),
-            stress: snapshots.quantities.contains(&Quantity::Stress),
-        },
-        every: snapshots.every.get(),
-    });
+    if let Some(snapshots) = &output.snapshots {
+        let default = [Quantity::Displacement, Quantity::Velocity];
+        let quantities = quantities(&snapshots.quantities, &default)?;
+        plan.snapshots = Some(SnapshotWish {
+            fields: SnapshotFields {
+                motion: motion(&quantities),
+                stress: quantities.contains(&Quantity::Stress),
+            },
+            every: snapshots.every.get(),
+        });
+    }
     Ok(plan)
+}
+
+/// What is recorded where nothing is said.
+const MOTION: [Quantity; 3] = [
+    Quantity::Displacement,
+    Quantity::Velocity,
+    Quantity::Acceleration,
+];
+
+type Quantities = Option<At<Vec<At<Quantity>>>>;
+
+/// The quantities that are wanted: some, or the default.
+fn quantities(wanted: &Quantities, default: &[Quantity]) -> Result<Vec<Quantity>, Fault> {
+    match wanted {
+        None => Ok(default.to_vec()),
+        Some(wanted) if wanted.is_empty() => Err(Fault::new(
+            wanted.span(),
+            Problem::Value {
+                found: "an empty list".into(),
+                expected: "one quantity or more".into(),
+            },
+        )),
+        Some(wanted) => Ok(wanted.iter().map(|quantity| **quantity).collect()),
+    }
+}
+
+/// Refuses quantities that a place does not have.
+fn without(
+    wanted: &Quantities,
+    lacking: impl Fn(Quantity) -> bool,
+    found: &str,
+    expected: &str,
+) -> Result<(), Fault> {
+    let mut wanted = wanted.iter().flat_map(|wanted| wanted.iter());
+    match wanted.find(|quantity| lacking(***quantity)) {
+        None => Ok(()),
+        Some(quantity) => Err(Fault::new(
+            quantity.span(),
+            Problem::Value {
+                found: found.into(),
+                expected: expected.into(),
+            },
+        )),
+    }
+}
+
+fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<(), Fault> {
+    let name = history.name.to_string();
+    let site = Site {
+        names,
+        among: &history.among,
+        within: &history.within,
+    };
+    let is_stress = |quantity| quantity == Quantity::Stress;
+    if let (Some(element), None, None, None) =
+        (&history.element, &history.at, &history.node, &history.set)
+    {
+        if !names.mesh.element_tags().contains(element) {
+            return Err(no_such_number("element", element));
+        }
+        let of_element = |quantity| !is_stress(quantity);
+        let found = "motion of an element";
+        without(
+            &history.quantities,
+            of_element,
+            found,
+            "stress, or a point, node or set",
+        )?;
+        quantities(&history.quantities, &[Quantity::Stress])?;
+        site.without_point()?;
+        plan.stresses.push(StressWish {
+            name,
+            place: StressPlace::Element(**element),
+        });
+        return Ok(());
+    }
+    let place = match site.place((&history.at, &history.node, &history.set))? {
+        Ok(place) if history.element.is_none() => place,
+        _ => {
+            let keys: &[&str] = &["at", "node", "set", "element"];
+            let (at, node) = (history.at.is_some(), history.node.is_some());
+            let given = [at, node, history.set.is_some(), history.element.is_some()];
+            return Err(one_of(history.name.span(), keys, &given));
+        }
+    };
+    let wanted = quantities(&history.quantities, &MOTION)?;
+    match &place {
+        Place::Spot(spot) => {
+            if wanted.contains(&Quantity::Stress) {
+                plan.stresses.push(StressWish {
+                    name: name.clone(),
+                    place: StressPlace::Spot(spot.clone()),
+                });
+            }
+        }
+        _ => {
+            let found = "stress at a node or set";
+            site.without_point()?;
+            without(
+                &history.quantities,
+                is_stress,
+                found,
+                "motion, or a point or element",
+            )?;
+        }
+    }
+    let motion = motion(&wanted);
+    if motion != Motion::default() {
+        plan.histories.push(HistoryWish {
+            name,
+            place,
+            motion,
+        });
+    }
+    Ok(())
 }
 
 fn motion(quantities: &[Quantity]) -> Motion {
@@ -85,44 +219,83 @@ fn motion(quantities: &[Quantity]) -> Motion {
     }
 }
 
-fn place(names: &Names, history: &History) -> Result<Place, Fault> {
-    match (&history.at, &history.node, &history.set) {
-        (Some(at), None, None) => Ok(spot(names.mesh, at)?.into()),
-        (None, Some(node), None) if names.mesh.node_tags().contains(node) => {
-            Ok(Place::Node(**node))
+/// What places of a wish have in common.
+struct Site<'s> {
+    names: &'s Names<'s>,
+    among: &'s Option<At<String>>,
+    within: &'s Option<At<Positive>>,
+}
+
+type Keys<'s> = (
+    &'s Option<At<[Finite; 3]>>,
+    &'s Option<At<u64>>,
+    &'s Option<At<String>>,
+);
+
+impl Site<'_> {
+    /// The place that one of three keys gives, or which of them are given if it is not one.
+    fn place(&self, keys: Keys) -> Result<Result<Place, [bool; 3]>, Fault> {
+        let mesh = self.names.mesh;
+        Ok(Ok(match keys {
+            (Some(at), None, None) => self.spot(at)?.into(),
+            (None, Some(node), None) => {
+                if !mesh.node_tags().contains(node) {
+                    return Err(no_such_number("node", node));
+                }
+                Place::Node(**node)
+            }
+            (None, None, Some(set)) => {
+                self.names.nodes(set)?;
+                Place::NodeSet(set.to_string())
+            }
+            (at, node, set) => return Ok(Err([at.is_some(), node.is_some(), set.is_some()])),
+        }))
+    }
+
+    /// A point, if it lies in the mesh.
+    fn spot(&self, at: &At<[Finite; 3]>) -> Result<Spot, Fault> {
+        let mesh = self.names.mesh;
+        let mut spot = Spot::at(vector(at));
+        if let Some(within) = self.within {
+            spot = spot.within(within.get());
         }
-        (None, Some(node), None) => Err(Fault::new(
-            node.span(),
-            Problem::NoSuchName {
-                what: "node",
-                name: node.to_string(),
-                available: Vec::new(),
-            },
-        )),
-        (None, None, Some(set)) => {
-            names.nodes(set)?;
-            Ok(Place::NodeSet(set.to_string()))
+        let located = match self.among {
+            Some(set) => {
+                spot = spot.among(set);
+                let elements = self.names.elements(set)?;
+                mesh.locate_among(elements, &[spot.position], spot.tolerance)
+            }
+            None => {
+                let all: Vec<u32> = (0..mesh.element_count() as u32).collect();
+                mesh.locate_among(&all, &[spot.position], spot.tolerance)
+            }
+        };
+        located.map_err(|error| Fault::refused(at.span(), error))?;
+        Ok(spot)
+    }
+
+    /// Refuses what says how a point is found, where none is given.
+    fn without_point(&self) -> Result<(), Fault> {
+        let among = self.among.as_ref().map(At::span);
+        match among.or(self.within.as_ref().map(At::span)) {
+            Some(span) => {
+                let key = "at".into();
+                Err(Fault::new(span, Problem::MissingKey { key }))
+            }
+            None => Ok(()),
         }
-        (at, node, set) => Err(Fault::new(
-            history.name.span(),
-            Problem::OneOf {
-                keys: &["at", "node", "set"],
-                found: [at.is_some(), node.is_some(), set.is_some()]
-                    .iter()
-                    .filter(|given| **given)
-                    .count(),
-            },
-        )),
     }
 }
 
-/// A point, if it lies in the mesh.
-fn spot(mesh: &Mesh, at: &At<[Finite; 3]>) -> Result<Vec3, Fault> {
-    let point = vector(at);
-    let all: Vec<u32> = (0..mesh.element_count() as u32).collect();
-    mesh.locate_among(&all, &[point], Spot::at(point).tolerance)
-        .map_err(|error| Fault::refused(at.span(), error))?;
-    Ok(point)
+fn no_such_number(what: &'static str, number: &At<u64>) -> Fault {
+    let name = number.to_string();
+    let available = Vec::new();
+    let problem = Problem::NoSuchName {
+        what,
+        name,
+        available,
+    };
+    Fault::new(number.span(), problem)
 }
 
 fn cut(names: &Names, section: &Section) -> Result<CutWish, Fault> {

@@ -1,18 +1,21 @@
 //! Records from files, treated as their scene says.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
-use powerhouse_io::{AccelerationUnit, CountRule, RecordOptions, read_record};
+use powerhouse_io::{
+    AccelerationUnit, CountRule, LengthRule, RecordOptions, common_length, read_record,
+};
 use powerhouse_wavefield::{
     BaselineCorrection, BaselineReport, EndDisplacement, InputConvention, RecordReport,
     SurfaceComponent, TimeHistory, WaveError,
 };
 
-use super::unique;
-use crate::fault::{Fault, SceneText};
+use super::{one_of, unique};
+use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{
-    Baseline, Component, Convention, Count, Finite, NonNegative, Positive, Record, SceneFile,
-    Share, Units,
+    At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
+    SceneFile, Share, Units,
 };
 
 /// A record ready to drive waves.
@@ -38,49 +41,140 @@ pub(super) fn records(
 ) -> Result<BTreeMap<String, PreparedRecord>, Fault> {
     let mut records = BTreeMap::new();
     for table in &file.records {
-        let record = record(text, table)?;
-        unique("record", &table.name, &mut records, record)?;
+        for (name, record) in treated(text, table)? {
+            unique(
+                "record",
+                &At::new(name, table.name.span()),
+                &mut records,
+                record,
+            )?;
+        }
     }
     Ok(records)
 }
 
-fn record(text: &SceneText, table: &Record) -> Result<PreparedRecord, Fault> {
+/// The record of a table, or its components, each with its name.
+fn treated(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRecord)>, Fault> {
     let name = table.name.span();
-    let (mut history, doubts) = read(text, table)?;
-    if let Some(cut) = &table.cut {
-        let taper = table.taper.map_or(0.0, NonNegative::get);
-        history = cut_out(&history, cut.map(NonNegative::get), taper)
-            .map_err(|error| Fault::refused(cut.span(), error))?;
+    let mut parts = Vec::new();
+    for (part, read) in files(text, table)? {
+        let history = TimeHistory::new(read.step, read.samples)
+            .map_err(|error| Fault::refused(part.file.span(), error))?;
+        let (history, baseline) = corrected(table, history)?;
+        parts.push((part.name, history, baseline, read.warnings));
     }
-    let mut baseline = None;
-    let correction = correction(&table.baseline);
-    if correction != BaselineCorrection::None {
-        let (corrected, report) = history
-            .corrected(correction)
-            .map_err(|error| Fault::refused(table.baseline.span(), error))?;
-        (history, baseline) = (corrected, Some(report));
-    }
-    if let Some(peak) = table.peak {
-        history = history
-            .scaled_to_peak(peak.get())
-            .map_err(|error| Fault::refused(name.clone(), error))?;
-    }
+    let peak = |history: &TimeHistory| {
+        let samples = history.acceleration().into_iter();
+        samples.fold(0.0_f64, |most, a| most.max(a.abs()))
+    };
+    let present = parts.iter().map(|(_, history, ..)| peak(history));
+    let present = present.fold(0.0, f64::max);
     let end = table.end_displacement.map_or(0.0, Finite::get);
-    // A record that does not come to rest is refused here, where its name stands.
-    let signal = history.clone().into_signal(EndDisplacement::Declared(end));
-    let report = signal
-        .map_err(|error| Fault::refused(name, error))?
-        .report();
-    Ok(PreparedRecord {
-        history,
-        end,
-        convention: convention(&table.convention),
-        lead: baseline.map_or(0.0, |report| report.leading_pad),
-        place: table.convention.span(),
-        report,
-        baseline,
-        doubts,
-    })
+    let mut treated = Vec::new();
+    for (part, mut history, baseline, doubts) in parts {
+        let refused = |error: WaveError| Fault::refused(name.clone(), error);
+        if let Some(wanted) = table.peak {
+            if present == 0.0 {
+                return Err(refused(WaveError::ZeroPeak));
+            }
+            history = history.scaled(wanted.get() / present).map_err(refused)?;
+        }
+        // A record that does not come to rest is refused here, where its name stands.
+        let signal = history.clone().into_signal(EndDisplacement::Declared(end));
+        let report = signal.map_err(refused)?.report();
+        let record = PreparedRecord {
+            history,
+            end,
+            convention: convention(&table.convention),
+            lead: baseline.map_or(0.0, |report: BaselineReport| report.leading_pad),
+            place: table.convention.span(),
+            report,
+            baseline,
+            doubts,
+        };
+        treated.push((part, record));
+    }
+    Ok(treated)
+}
+
+/// One file of a record.
+struct Part<'t> {
+    name: String,
+    file: &'t At<PathBuf>,
+}
+
+/// What the files of a record hold, brought to one length.
+fn files<'t>(
+    text: &SceneText,
+    table: &'t Record,
+) -> Result<Vec<(Part<'t>, powerhouse_io::Record)>, Fault> {
+    let name = table.name.to_string();
+    let parts: Vec<Part> = match (&table.file, &table.components) {
+        (Some(file), None) => {
+            if let Some(length) = &table.length {
+                let key = "components".into();
+                return Err(Fault::new(length.span(), Problem::MissingKey { key }));
+            }
+            vec![Part { name, file }]
+        }
+        (None, Some(components)) => {
+            let files = [&components.x, &components.y, &components.z];
+            let letters = [Component::X, Component::Y, Component::Z].map(Component::letter);
+            let given = letters.into_iter().zip(files);
+            let given = given.filter_map(|(letter, file)| Some((letter, file.as_ref()?)));
+            if files.iter().all(|file| file.is_none()) {
+                let key = "x".into();
+                return Err(Fault::new(components.span(), Problem::MissingKey { key }));
+            }
+            let part = |(letter, file)| Part {
+                name: format!("{name}.{letter}"),
+                file,
+            };
+            given.map(part).collect()
+        }
+        (file, components) => {
+            let given = [file.is_some(), components.is_some()];
+            return Err(one_of(table.name.span(), &["file", "components"], &given));
+        }
+    };
+    let read = parts.iter().map(|part| read(text, table, part.file));
+    let mut read: Vec<powerhouse_io::Record> = read.collect::<Result<_, _>>()?;
+    if let Some(components) = &table.components {
+        let rule = match table.length.as_deref() {
+            Some(Length::Cut) => LengthRule::Cut,
+            Some(Length::Pad) | None => LengthRule::Pad,
+        };
+        common_length(&mut read, rule).map_err(|e| Fault::refused(components.span(), e))?;
+    }
+    Ok(parts.into_iter().zip(read).collect())
+}
+
+/// Cut and baseline.
+fn corrected(
+    table: &Record,
+    mut history: TimeHistory,
+) -> Result<(TimeHistory, Option<BaselineReport>), Fault> {
+    match (&table.cut, &table.taper) {
+        (Some(cut), taper) => {
+            let taper = taper.as_ref().map_or(0.0, |taper| taper.get());
+            history = cut_out(&history, cut.map(NonNegative::get), taper)
+                .map_err(|error| Fault::refused(cut.span(), error))?;
+        }
+        (None, Some(taper)) => {
+            let key = "cut".into();
+            return Err(Fault::new(taper.span(), Problem::MissingKey { key }));
+        }
+        (None, None) => {}
+    }
+    match correction(&table.baseline) {
+        BaselineCorrection::None => Ok((history, None)),
+        correction => {
+            let corrected = history.corrected(correction);
+            let (history, report) =
+                corrected.map_err(|error| Fault::refused(table.baseline.span(), error))?;
+            Ok((history, Some(report)))
+        }
+    }
 }
 
 /// The part of a history between two times (s).
@@ -131,9 +225,13 @@ fn convention(convention: &Convention) -> InputConvention {
     }
 }
 
-/// Reads a record's file; what was taken differently from what it declares comes beside it.
-fn read(text: &SceneText, table: &Record) -> Result<(TimeHistory, Vec<String>), Fault> {
-    let path = text.folder().join(&*table.file);
+/// Reads a file of a record.
+fn read(
+    text: &SceneText,
+    table: &Record,
+    file: &At<PathBuf>,
+) -> Result<powerhouse_io::Record, Fault> {
+    let path = text.folder().join(&**file);
     let options = RecordOptions {
         unit: table.units.map(|units| match units {
             Units::MetrePerSecondSquared => AccelerationUnit::MetrePerSecondSquared,
@@ -146,10 +244,5 @@ fn read(text: &SceneText, table: &Record) -> Result<(TimeHistory, Vec<String>), 
             Count::AsFound => CountRule::AsFound,
         },
     };
-    let place = table.file.span();
-    let record =
-        read_record(&path, &options).map_err(|error| Fault::refused(place.clone(), error))?;
-    let history = TimeHistory::new(record.step, record.samples)
-        .map_err(|error| Fault::refused(place, error))?;
-    Ok((history, record.warnings))
+    read_record(&path, &options).map_err(|error| Fault::refused(file.span(), error))
 }

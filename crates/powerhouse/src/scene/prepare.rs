@@ -42,7 +42,14 @@ impl Scene {
         let mut blocks = Vec::new();
         let mut remarks = Vec::new();
         for part in &self.parts {
-            for (kind, elements) in by_kind(&self, part)? {
+            let kinds = by_kind(&self, part)?;
+            if let Some(kernel) = part.idle_kernel(kinds.iter().map(|(kind, _)| *kind)) {
+                return Err(Error::IdleKernel {
+                    set: part.set.clone(),
+                    kernel: kernel.name().into(),
+                });
+            }
+            for (kind, elements) in kinds {
                 let kernel = part.kernel_for(kind).ok_or_else(|| Error::NoKernel {
                     element: self.mesh.element_tags()[elements[0] as usize],
                     set: part.set.clone(),

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::observe::Motion;
-use powerhouse::engine::{Ended, Hex8Full, Support};
+use powerhouse::engine::{Ended, Hex8Full, SolidKernel, Support};
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{
@@ -264,6 +264,9 @@ fn misfits_are_refused_by_name() {
     assert!(set.is_err_and(|error| error.to_string().contains("'rok'")));
     let share = cube_scene().step(TimeStep::OfStable(1.5)).prepare();
     assert!(share.is_err_and(|error| error.to_string().contains("share = 1.5")));
+    let idle = Part::new("rock", rock()).kernel(SolidKernel::Wedge6);
+    let idle = Scene::new("idle", cube()).part(idle).prepare();
+    assert!(matches!(idle, Err(Error::IdleKernel { kernel, .. }) if kernel == "wedge6"));
     let field = Scene::new("field", cube())
         .part(Part::new("rock", rock()))
         .start(0.0, InitialMotion::Field);

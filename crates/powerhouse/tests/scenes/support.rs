@@ -6,12 +6,13 @@ use std::sync::Arc;
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::SolidKernel;
 use powerhouse::engine::observe::Motion;
+use powerhouse::io::write_gmsh;
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
-use powerhouse::{Boundary, Material, OutputPlan, Part, Results, RunHooks, Scene};
+use powerhouse::{Boundary, Error, Material, OutputPlan, Part, Registry, Results, RunHooks, Scene};
 
 pub(crate) const ROCK: ElasticMedium = ElasticMedium {
     young: 9.0e9,
@@ -80,6 +81,9 @@ name = "surface"
 at = [150, 150, 0]
 "#;
 
+/// The wave of the cube.
+pub(crate) const WAVE: &str = "[[wave]]\nkind = \"sv\"\nincidence = 20\nazimuth = 30\npulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }\n";
+
 /// The same scene composed in Rust.
 pub(crate) fn cube_scene() -> Scene {
     cube_scene_on(cube())
@@ -108,4 +112,32 @@ pub(crate) fn cube_scene_on(mesh: Mesh) -> Scene {
 
 pub(crate) fn run(scene: Scene) -> Results {
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
+}
+
+/// A folder with the cube's mesh in which variants of its scene are read.
+pub(crate) struct Variants(pub(crate) Folder);
+
+impl Variants {
+    pub(crate) fn new(name: &str) -> Self {
+        let folder = Folder::new(name);
+        write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+        Self(folder)
+    }
+    /// The cube's scene with a passage replaced.
+    pub(crate) fn read(&self, old: &str, new: &str) -> Result<Scene, Error> {
+        assert!(CUBE.contains(old), "{old}");
+        let text = CUBE.replacen(old, new, 1);
+        Scene::from_toml(text, self.0.0.join("cube.toml"), &Registry::default())
+    }
+    /// Runs the variant and its twin, and finds the same bits in both.
+    pub(crate) fn equal(&self, (old, new): (&str, &str), twin: Scene) {
+        let scene = self.read(old, new).unwrap_or_else(|e| panic!("{new}: {e}"));
+        let (file, twin) = (run(scene), run(twin));
+        assert_eq!(file.run.steps, twin.run.steps, "{new}");
+        assert!(!file.histories.times.is_empty(), "{new}");
+        assert_eq!(file.histories, twin.histories, "{new}");
+        let columns = file.histories.columns.iter();
+        let moves = |values: &[f64]| values.iter().any(|&u| u != 0.0);
+        assert!(columns.clone().any(|c| moves(&c.values)), "{new}");
+    }
 }

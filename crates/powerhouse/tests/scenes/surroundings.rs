@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use powerhouse::boundary::{InputMode, Viscous, ViscousSpring};
-use powerhouse::engine::{Rayleigh, SolidKernel, Support};
+use powerhouse::engine::{EngineError, FacePressure, Profile, Rayleigh, SolidKernel, Support};
 use powerhouse::io::write_gmsh;
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{Facet, FieldMotion, IncidentField, Mesh, Vec3};
@@ -35,7 +35,6 @@ fn padding(scene: &Scene) -> Option<f64> {
     })
 }
 
-const WAVE: &str = "[[wave]]\nkind = \"sv\"\nincidence = 20\nazimuth = 30\npulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }\n";
 const PAST: &str = "[[wave]]\nkind = \"sv\"\nincidence = 42\npulse = { kind = \"zero-mean\", displacement = 0.01, duration = 0.4 }\n";
 const BELOW: &str = "[[wave]]\nkind = \"p\"\nincidence = 10\narrival = 0.3\npulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }\n";
 
@@ -208,6 +207,9 @@ fn composed_scenes_are_guarded_too() {
         .unwrap();
     let rim = Remark::DampedRim { set: "rock".into() };
     assert_eq!(warnings(&damped), [&rim]);
+    // Nothing said where the structure is.
+    let position = Vec3::new(150.0, 150.0, -150.0);
+    assert!(damped.remarks().contains(&Remark::Scatterer { position }));
 }
 
 /// A side that neither absorbs nor is held is told with its area; a held one is not.
@@ -285,6 +287,45 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
         .boundary(Boundary::new(Viscous::default(), SIDES))
         .duration(0.6);
     assert_eq!(share(inside), None);
+}
+
+/// A set inside the body holds its facets from both sides: a pressure on it would cancel, so it is
+/// refused, from a file where the set stands.
+#[test]
+fn loads_on_both_sides_are_refused() {
+    let mesh = cube();
+    let half = |left: bool| {
+        let facets = mesh.boundary_facets_of(|e| (mesh.centroid(e).x < 150.0) == left);
+        let inside = |f: &Facet| (mesh.facet_geometry(*f).centroid.x - 150.0).abs() < 1e-6;
+        facets.into_iter().filter(inside).collect::<Vec<_>>()
+    };
+    let mut divided = mesh.clone();
+    divided.set_facet_set("middle", half(true)).unwrap();
+    let folder = Folder::new("both-sides");
+    write_gmsh(folder.0.join("cube.msh"), &divided).unwrap();
+    for load in [
+        "kind = \"pressure\"\npressure = 1e5\n",
+        "kind = \"traction\"\ntraction = [1, 0, 0]\n",
+    ] {
+        let load = format!("[[load]]\n{load}set = \"middle\"\n[time]");
+        let text = CUBE.replace("[time]", &load);
+        let read = Scene::from_toml(text, folder.0.join("s.toml"), &Registry::default());
+        let Err(Error::Scene(fault)) = read else {
+            panic!("{load} was accepted")
+        };
+        let shown = fault.render(false);
+        assert!(shown.contains("both sides"), "{shown}");
+        assert!(shown.contains("set = \"middle\""), "{shown}");
+    }
+    let pressed = |facets: &[Facet]| {
+        FacePressure::new(&mesh, facets, Profile::Uniform, Box::new(|_: f64| 1.0)).err()
+    };
+    assert_eq!(pressed(&half(true)), None);
+    let both = [half(true), half(false)].concat();
+    assert!(matches!(
+        pressed(&both),
+        Some(EngineError::BothSides { .. })
+    ));
 }
 
 /// Absorbing faces lie outside, and a field needs a way in.

@@ -1,0 +1,142 @@
+//! What is recorded: each key of a scene file gives the plan that Rust gives.
+
+use powerhouse::engine::observe::{Cut, Motion, Place, SnapshotFields, Spot, StressPlace};
+use powerhouse::model::Vec3;
+use powerhouse::{EnvelopeWish, OutputPlan, SnapshotWish};
+
+use crate::support::*;
+
+const HISTORY: &str = "[[output.history]]\nname = \"surface\"\nat = [150, 150, 0]\n";
+
+/// What the file has without its history.
+fn plan() -> OutputPlan {
+    OutputPlan {
+        every: 0.01,
+        energies: Some(0.006),
+        ..OutputPlan::default()
+    }
+}
+
+/// Every place, quantity and cadence of a file is that of the plan.
+#[test]
+fn plans() {
+    let variants = Variants::new("plans");
+    let spot = Vec3::new(20.0, 30.0, -40.0);
+    let near = Spot::at(Vec3::new(20.0, 30.0, 0.4)).within(0.5);
+    let stress = Motion::default();
+    let velocity = Motion::VELOCITY;
+    for (keys, expected) in [
+        (
+            "[[output.history]]\nname = \"p\"\nnode = 17\nquantities = [\"velocity\"]",
+            plan().history("p", Place::Node(17), velocity),
+        ),
+        (
+            "[[output.history]]\nname = \"p\"\nset = \"left\"",
+            plan().history("p", Place::NodeSet("left".into()), Motion::ALL),
+        ),
+        (
+            "[[output.history]]\nname = \"p\"\nat = [20, 30, -40]\nquantities = [\"stress\", \"displacement\"]",
+            plan()
+                .history("p", spot, Motion::DISPLACEMENT)
+                .stress("p", spot),
+        ),
+        (
+            "[[output.history]]\nname = \"p\"\nat = [20, 30, -40]\nquantities = [\"stress\"]",
+            plan().stress("p", spot),
+        ),
+        (
+            "[[output.history]]\nname = \"p\"\nelement = 8",
+            plan().stress("p", StressPlace::Element(8)),
+        ),
+        (
+            "[[output.history]]\nname = \"p\"\nat = [20, 30, 0.4]\nwithin = 0.5\namong = \"rock\"",
+            plan().history("p", near.clone().among("rock"), Motion::ALL),
+        ),
+        (
+            "[[output.relative]]\nname = \"p\"\nat = [20, 30, 0.4]\nfrom_node = 12\nwithin = 0.5",
+            plan().relative("p", near, Place::Node(12)),
+        ),
+        (
+            "[[output.relative]]\nname = \"p\"\nset = \"top\"\nfrom_set = \"bottom\"",
+            plan().relative(
+                "p",
+                Place::NodeSet("top".into()),
+                Place::NodeSet("bottom".into()),
+            ),
+        ),
+        (
+            "[[output.relative]]\nname = \"p\"\nnode = 3\nfrom = [20, 30, -40]",
+            plan().relative("p", Place::Node(3), spot),
+        ),
+        (
+            "[[output.section]]\nname = \"p\"\nset = \"rock\"\nat = [20, 30, -40]\nnormal = [0, 0, 2]\nalong = [1, 0, 0]\nreach = 60",
+            plan().cut(
+                "rock",
+                Cut {
+                    name: "p".into(),
+                    point: spot,
+                    normal: Vec3::new(0.0, 0.0, 2.0),
+                    along: Vec3::x(),
+                    within: Some((spot - Vec3::repeat(60.0), spot + Vec3::repeat(60.0))),
+                },
+            ),
+        ),
+        (
+            "[output.envelope]\nquantities = [\"stress\", \"velocity\"]\nsets = [\"rock\"]\nevery = 0.02",
+            OutputPlan {
+                envelope: Some(EnvelopeWish {
+                    motion: velocity,
+                    stress: true,
+                    sets: vec!["rock".into()],
+                    every: 0.02,
+                }),
+                ..plan()
+            },
+        ),
+        (
+            "[output.envelope]",
+            OutputPlan {
+                envelope: Some(EnvelopeWish {
+                    motion: Motion::ALL,
+                    stress: false,
+                    sets: Vec::new(),
+                    every: 0.01,
+                }),
+                ..plan()
+            },
+        ),
+        (
+            "[output.snapshots]\nevery = 0.1\nquantities = [\"stress\"]",
+            OutputPlan {
+                snapshots: Some(SnapshotWish {
+                    fields: SnapshotFields {
+                        motion: stress,
+                        stress: true,
+                    },
+                    every: 0.1,
+                }),
+                ..plan()
+            },
+        ),
+    ] {
+        let scene = variants.read(HISTORY, keys);
+        let scene = scene.unwrap_or_else(|error| panic!("{keys}: {error}"));
+        assert_eq!(scene.output_plan(), &expected, "{keys}");
+        scene
+            .prepare()
+            .unwrap_or_else(|error| panic!("{keys}: {error}"));
+    }
+    let scene = variants.read("every = 0.01", "energies = 0.05").unwrap();
+    let plan = scene.output_plan();
+    assert_eq!((plan.every, plan.energies), (0.005, Some(0.05)));
+}
+
+/// The folder of results is what the file says, or has the file's name.
+#[test]
+fn directories() {
+    let variants = Variants::new("directories");
+    let scene = variants.read(HISTORY, HISTORY).unwrap();
+    assert_eq!(scene.result_folder().path(), "results/cube");
+    let scene = variants.read("every = 0.01", "directory = \"elsewhere/x\"");
+    assert_eq!(scene.unwrap().result_folder().path(), "elsewhere/x");
+}
