@@ -1,6 +1,8 @@
 //! How the examples print their figures: one per line, `figure NAME VALUE`, beside what is
 //! expected of it.
 
+pub mod column;
+
 use std::process::ExitCode;
 
 /// The figures of one example.

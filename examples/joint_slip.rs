@@ -1,0 +1,263 @@
+//! Slip: a shear wave on an interface, and a block on a shaken base.
+//!
+//! Builds on `free_field`. An interface that carries no more than a shear stress `tau` cuts off what
+//! an S wave of velocity `V sin(w t)` wants of it, `Z V`; energy is transmitted, reflected and
+//! absorbed in shares that depend on `s = tau / (Z V)` alone and have a closed form.
+//!
+//! ```text
+//!      dashpot   |=|   ^                        block   +---+     pressed on by its weight
+//!                | |   | transmitted                    |   |  -> slips when the base accelerates
+//!     interface  |-|   |                        base  ==+===+==   by more than mu g
+//!                | |   v reflected                      <-->
+//!                | |
+//!      dashpot   |=|   ^ V sin(w t)
+//! ```
+//!
+//! The block is Newmark's (1965): on a slope it slides one way only, and its slip per cycle over
+//! `A / w^2` depends on the ratio `r` of yield acceleration and amplitude `A` alone.
+//!
+//! Run: `cargo run --release --example joint_slip`
+
+use std::error::Error;
+use std::f64::consts::{PI, TAU};
+use std::process::ExitCode;
+
+use powerhouse::contact::{BondedCoulomb, Joint, Tied};
+use powerhouse::engine::{Leapfrog, NodalForce, Prescribed, RunOptions, StepChoice, run};
+use powerhouse::material::media;
+use powerhouse::model::{BoundaryParts, Constraint, ElasticMedium, Mat3, NodalImpedance, Vec3};
+use powerhouse_examples::Figures;
+use powerhouse_examples::column::{Column, even_step, watch};
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// Shares of energy that are transmitted, reflected and absorbed: `th = asin s`,
+/// `T = (4/pi) ((th - sin th cos th)/2 + s^2 (pi/2 - th))`,
+/// `1 - T - R = (8/pi) (s cos th - s^2 (pi/2 - th))`.
+fn closed_form(s: f64) -> [f64; 3] {
+    let (th, rest) = (s.asin(), s.acos());
+    let transmitted = 4.0 / PI * ((th - s * th.cos()) / 2.0 + s * s * rest);
+    let absorbed = 8.0 / PI * (s * th.cos() - s * s * rest);
+    [transmitted, 1.0 - transmitted - absorbed, absorbed]
+}
+
+/// The same from a column of rock with so many bricks per wavelength.
+fn computed(s: f64, bricks: usize) -> Outcome<[f64; 3]> {
+    let (frequency, amplitude, friction) = (5.0, 0.1, 0.6);
+    let impedance = media::ROCK.density * media::ROCK.s_speed();
+    let wavelength = media::ROCK.s_speed() / frequency;
+    let parts = [(2 * bricks, media::ROCK), (bricks / 2, media::ROCK)];
+    let column = Column::new(&parts, wavelength / bricks as f64)?;
+    let (foot, top) = (column.level(0.0), column.level(2.5 * wavelength));
+    let watched = [1.75, 2.25].map(|place| column.level(place * wavelength)[0]);
+    let seen = |joint: Box<dyn Constraint>| {
+        let mut ends = BoundaryParts::default();
+        ends.impedance
+            .extend(foot.iter().chain(&top).map(|&node| NodalImpedance {
+                node,
+                spring: Mat3::zeros(),
+                dashpot: Mat3::identity() * (impedance / 4.0),
+            }));
+        let wave = move |t: f64| amplitude * (TAU * frequency * t).sin();
+        let push = Vec3::x() * (2.0 * impedance / 4.0);
+        let mut model = column
+            .along(0)
+            .boundary(ends)
+            .load(Box::new(NodalForce::new(
+                foot.clone(),
+                push,
+                Box::new(wave),
+            )))
+            .constraint(joint)
+            .build()?;
+        let step = even_step(&mut model, 1.0 / frequency)?;
+        let (seen, _) = watch(&mut model, &watched, (6.0 / frequency, step))?;
+        Outcome::Ok(seen)
+    };
+    let pairs = || column.joints[0].pairs.clone();
+    let whole = seen(Box::new(Joint::new("bonded", pairs(), Tied)?))?;
+    // Constant pressure is a preload: the static state from which the wave starts.
+    let pressure = s * impedance * amplitude / friction;
+    let joint = Joint::new(
+        "slipping",
+        pairs(),
+        BondedCoulomb::unbonded(friction, friction)?,
+    )?
+    .with_preload(|_| Vec3::z() * -pressure)?;
+    let slipping = seen(Box::new(joint))?;
+    // Over the last two cycles.
+    let end = whole.times.len() - 1;
+    let from = whole
+        .times
+        .partition_point(|&t| t < whole.times[end] - 2.0 / frequency + 1e-9);
+    let sum = |value: &dyn Fn(usize) -> f64| (from..end).map(|k| value(k).powi(2)).sum::<f64>();
+    let incident = sum(&|k| whole.velocity[0][k].x);
+    let reflected = sum(&|k| slipping.velocity[0][k].x - whole.velocity[0][k].x);
+    let transmitted = sum(&|k| slipping.velocity[1][k].x);
+    let friction = |k: usize| {
+        slipping.pairs[k]
+            .iter()
+            .map(|pair| pair.friction)
+            .sum::<f64>()
+    };
+    // The wave brings Z V^2 / 2 per second and square metre.
+    let absorbed = (friction(end) - friction(from)) * frequency / (impedance * amplitude.powi(2));
+    Ok([transmitted / incident, reflected / incident, absorbed])
+}
+
+fn interface(figures: &mut Figures) -> Outcome<()> {
+    for s in [0.2, 0.5, 0.8] {
+        let expected = closed_form(s);
+        let mut errors = [0.0; 2];
+        for (error, bricks) in errors.iter_mut().zip([40, 80]) {
+            let found = computed(s, bricks)?;
+            println!("s = {s}, {bricks} bricks per wavelength: {found:.6?}, exact {expected:.6?}");
+            let differences = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
+            *error = differences.fold(0.0, f64::max);
+        }
+        figures.at_most(&format!("joint_slip.energy.s{s}.error"), errors[1], 0.005);
+        let slope = format!("joint_slip.energy.s{s}.error_over_half_mesh");
+        figures.at_most(&slope, errors[1] / errors[0], 0.5);
+    }
+    Ok(())
+}
+
+/// A block whose base is shaken by an acceleration `A sin(w t)`.
+struct Shaken {
+    /// Friction coefficient.
+    friction: f64,
+    /// Slope of the base (rad).
+    slope: f64,
+}
+
+const AMPLITUDE: f64 = 3.0;
+const FREQUENCY: f64 = 2.0;
+const GRAVITY: f64 = 9.81;
+const CYCLES: usize = 5;
+/// Steps per cycle.
+const STEPS: u64 = 50_000;
+
+impl Shaken {
+    /// Slip at the end of each cycle (m).
+    fn slips(&self) -> Outcome<Vec<f64>> {
+        let omega = TAU * FREQUENCY;
+        // Block and base are a brick each, a thousand times as stiff as rock: nearly rigid.
+        let stiff = ElasticMedium::new(9e12, 0.27, 2750.0)?;
+        let column = Column::new(&[(1, stiff), (1, stiff)], 1.0)?;
+        let (slope, weight) = (self.slope, stiff.density * GRAVITY);
+        // The weight and its pull down the slope are there from the start: a preload.
+        let law = BondedCoulomb::unbonded(self.friction, self.friction)?;
+        let joint = Joint::new("base", column.joints[0].pairs.clone(), law)?
+            .with_preload(|_| Vec3::new(slope.sin(), 0.0, -slope.cos()) * weight)?;
+        let base = column
+            .mesh
+            .nodes_of_elements(column.mesh.element_set("part 0")?);
+        let block = column
+            .mesh
+            .nodes_of_elements(column.mesh.element_set("part 1")?);
+        let mut model = column
+            .along(0)
+            .prescribed(Prescribed {
+                nodes: base.clone(),
+                direction: Vec3::x(),
+                displacement: Box::new(move |t: f64| {
+                    -AMPLITUDE / omega.powi(2) * (omega * t).sin()
+                }),
+            })
+            .constraint(Box::new(joint))
+            .build()?;
+        let count = column.mesh.node_count();
+        let start = Vec3::x() * (-AMPLITUDE / omega);
+        model.set_initial(&vec![Vec3::zeros(); count], &vec![start; count])?;
+        let options =
+            RunOptions::steps(STEPS).with_step(StepChoice::Fixed(1.0 / FREQUENCY / STEPS as f64));
+        let mut slips = vec![0.0];
+        for _ in 0..CYCLES {
+            run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {})?;
+            slips.push((model.displacement(block[0]) - model.displacement(base[0])).x);
+        }
+        Ok(slips)
+    }
+}
+
+/// Slip per cycle over `A / w^2`: from `sin x = r` on until the relative velocity is back at zero.
+fn newmark(ratio: f64) -> f64 {
+    let start = ratio.asin();
+    let speed = |x: f64| start.cos() - x.cos() - ratio * (x - start);
+    let (mut low, mut high) = (PI - start, TAU + start);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if speed(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let x = low - start;
+    start.cos() * x - (low.sin() - start.sin()) - 0.5 * ratio * x * x
+}
+
+/// Slip after each cycle on a level base, by the relative motion of a rigid block in small steps.
+fn both_ways(ratio: f64) -> Vec<f64> {
+    let (omega, parts) = (TAU * FREQUENCY, 200_000);
+    let step = 1.0 / FREQUENCY / f64::from(parts);
+    let (mut velocity, mut slip, mut slips) = (0.0_f64, 0.0, vec![0.0]);
+    for _ in 0..CYCLES {
+        for part in 0..parts {
+            let time = (f64::from(part) + 0.5) * step;
+            let trial = velocity - AMPLITUDE * (omega * time).sin() * step;
+            let held = ratio * AMPLITUDE * step;
+            velocity = trial - trial.clamp(-held, held);
+            slip += velocity * step;
+        }
+        slips.push(slip);
+    }
+    slips
+}
+
+fn block(figures: &mut Figures) -> Outcome<()> {
+    let scale = AMPLITUDE / (TAU * FREQUENCY).powi(2);
+    for ratio in [0.1, 0.5, 0.9] {
+        // Friction 2 on the slope where g (mu cos - sin) is the yield acceleration.
+        let friction: f64 = 2.0;
+        let slope = friction.atan() - (ratio * AMPLITUDE * friction.atan().cos() / GRAVITY).asin();
+        let slips = Shaken { friction, slope }.slips()?;
+        let found = (slips[CYCLES] - slips[CYCLES - 1]) / scale;
+        println!(
+            "r = {ratio}, one way: slip per cycle {found:.6}, exact {:.6}",
+            newmark(ratio)
+        );
+        let error = (found / newmark(ratio) - 1.0).abs();
+        figures.at_most(
+            &format!("joint_slip.newmark.one_way.r{ratio}.error"),
+            error,
+            2e-3,
+        );
+    }
+    for ratio in [0.4, 0.7] {
+        let friction = ratio * AMPLITUDE / GRAVITY;
+        let slips = Shaken {
+            friction,
+            slope: 0.0,
+        }
+        .slips()?;
+        let exact = both_ways(ratio);
+        let largest = exact.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let differences = slips.iter().zip(&exact).map(|(a, b)| (a - b).abs());
+        let error = differences.fold(0.0, f64::max) / largest;
+        println!("r = {ratio}, both ways: {slips:.6?} m, exact {exact:.6?} m");
+        figures.at_most(
+            &format!("joint_slip.newmark.two_way.r{ratio}.error"),
+            error,
+            2e-3,
+        );
+    }
+    Ok(())
+}
+
+fn main() -> Outcome<ExitCode> {
+    let mut figures = Figures::default();
+    interface(&mut figures)?;
+    block(&mut figures)?;
+    Ok(figures.verdict())
+}
