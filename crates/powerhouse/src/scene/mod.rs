@@ -313,6 +313,10 @@ impl Scene {
     pub fn start_time(&self) -> f64 {
         self.start
     }
+    /// Threads that compute; all if none.
+    pub fn thread_count(&self) -> Option<usize> {
+        self.threads
+    }
     /// How the body moves then.
     pub fn initial_motion(&self) -> InitialMotion {
         self.initial

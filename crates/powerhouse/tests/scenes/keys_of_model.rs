@@ -226,6 +226,10 @@ fn time_and_numbers() {
     ] {
         variants.equal((old, &new), twin);
     }
+    // Threads change no bit of a result.
+    let threads = |new| variants.read("title", new).unwrap().thread_count();
+    assert_eq!(threads("threads = 3\ntitle"), Some(3));
+    assert_eq!(threads("title"), None);
     let old = "kernel = \"hex8-full\"\n";
     let text = CUBE.replace(old, &format!("{old}{coefficients}"));
     let text = text.replace(of_time, &format!("{of_time}scheme = \"one-sided\"\n"));

@@ -67,6 +67,18 @@ fn a_curve_names_an_edge() {
         column.values.iter().any(|&u| u != 0.0)
     };
     assert!(!moved("edge.ux") && moved("surface.ux"));
+    // As a part it would need a kernel, and there is none for bars.
+    let part = "[[part]]\nset = \"edge\"\nmaterial = \"granite\"\n[boundary]";
+    let text = CUBE.replace("[boundary]", part);
+    let read = Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default());
+    let Err(Error::Scene(fault)) = read else {
+        panic!("a part of bars was accepted")
+    };
+    assert!(
+        fault.to_string().contains("which no kernel computes"),
+        "{fault}"
+    );
+    assert!(fault.render(false).contains("set = \"edge\""), "{fault}");
 }
 
 /// A scene from a file and the same one composed in Rust give the same bits.
