@@ -20,7 +20,18 @@
 //! *Moduli are computed once*, when the law is made: a law is called for every element and step,
 //! and two divisions per call would cost more than Hooke's law itself.
 
+mod elasto_plastic;
+mod error;
 mod linear_elastic;
 pub mod media;
+mod mohr_coulomb;
+pub mod presets;
+mod principal;
+mod surface;
 
+pub use elasto_plastic::ElastoPlastic;
+pub use error::MaterialError;
 pub use linear_elastic::LinearElastic;
+pub use mohr_coulomb::{MohrCoulomb, MohrCoulombParameters};
+pub use principal::PrincipalAxes;
+pub use surface::{PrincipalReturn, YieldState, YieldSurface};

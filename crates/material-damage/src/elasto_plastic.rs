@@ -1,0 +1,130 @@
+//! The elastic, perfectly plastic law of a yield surface.
+
+use powerhouse_model::{
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Strain, Stress,
+};
+
+use crate::surface::{Flow, YieldSurface};
+
+const fn variable(name: &'static str, unit: &'static str) -> HistoryVariable {
+    HistoryVariable { name, unit }
+}
+
+/// Plastic strains, engineering shears.
+pub(crate) const PLASTIC_STRAINS: [HistoryVariable; 6] = [
+    variable("plastic_strain_xx", "1"),
+    variable("plastic_strain_yy", "1"),
+    variable("plastic_strain_zz", "1"),
+    variable("plastic_strain_xy", "1"),
+    variable("plastic_strain_yz", "1"),
+    variable("plastic_strain_zx", "1"),
+];
+
+const EQUIVALENT: usize = 6;
+const YIELD_STATE: usize = 7;
+const HISTORY: [HistoryVariable; 8] = {
+    let [xx, yy, zz, xy, yz, zx] = PLASTIC_STRAINS;
+    [
+        xx,
+        yy,
+        zz,
+        xy,
+        yz,
+        zx,
+        variable("equivalent_plastic_strain", "1"),
+        variable("yield_state", "1"),
+    ]
+};
+
+/// Elasticity within a yield surface, plastic flow on it.
+///
+/// `sigma = sigma0 + C (epsilon - epsilon_p)`, and the flow of a step is the implicit one of the
+/// surface: the stress is admissible at the end of every step, however large.
+///
+/// History: the plastic strain (six components, engineering shears), the equivalent plastic
+/// strain, the sum of `sqrt(2/3 de_p : de_p)`, and the [`YieldState`](crate::YieldState) of the
+/// last step. An initial stress outside the surface flows back at the first step.
+///
+/// A strain that is not finite, or whose stress is beyond the range of numbers, gives a stress
+/// that is not finite, which the engine refuses.
+///
+/// ```
+/// use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};
+/// use powerhouse_model::{ConstitutiveLaw, LawInput, Strain};
+///
+/// let rock = ElastoPlastic::new(MohrCoulomb::new(presets::PAPER_ROCK)?);
+/// let strain = Strain([1.0e-3, 0.0, -1.0e-3, 0.0, 0.0, 0.0]);
+/// let (old, mut new) = ([0.0; 8], [0.0; 8]);
+/// let stress = rock.stress_change(&LawInput::new(strain, &old), &mut new);
+/// assert!(new[6] > 0.0, "the point has yielded");
+/// assert!(stress.0[0] - stress.0[2] < 4.0e-3 * presets::PAPER_ROCK.medium.shear());
+/// # Ok::<(), powerhouse_material_damage::MaterialError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElastoPlastic<S> {
+    surface: S,
+    lambda: f64,
+    shear: f64,
+}
+
+impl<S: YieldSurface> ElastoPlastic<S> {
+    /// The law of a surface.
+    pub fn new(surface: S) -> Self {
+        let medium = surface.medium();
+        Self {
+            surface,
+            lambda: medium.lambda(),
+            shear: medium.shear(),
+        }
+    }
+    /// The yield surface.
+    pub fn surface(&self) -> &S {
+        &self.surface
+    }
+}
+
+impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
+    fn name(&self) -> &str {
+        self.surface.name()
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.surface.medium()
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &HISTORY
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        let old = input.history;
+        let first = input.strain.0[0];
+        let elastic = Strain(core::array::from_fn(|i| input.strain.0[i] - old[i]));
+        let lambda = first.constant(self.lambda);
+        let change = Stress::elastic(lambda, first.constant(self.shear), &elastic);
+        let trial = input.initial + change;
+        new_history.copy_from_slice(old);
+        let Some(flow) = Flow::back(&self.surface, &trial) else {
+            new_history[YIELD_STATE] = first.constant(0.0);
+            return change;
+        };
+        let plastic = flow.plastic_strain();
+        for i in 0..6 {
+            new_history[i] = old[i] + plastic[i];
+        }
+        new_history[EQUIVALENT] = old[EQUIVALENT] + equivalent(&flow.plastic);
+        new_history[YIELD_STATE] = flow.state;
+        flow.stress_change(&change, &input.initial)
+    }
+}
+
+/// `sqrt(2/3 e : e)` of principal strains, which may be so large or small that squares are not
+/// numbers.
+#[inline(always)]
+fn equivalent<L: Lane>(strains: &[L; 3]) -> L {
+    let [a, b, c] = strains.map(|e| e.abs());
+    let largest = a.max(b).max(c);
+    let zero = a.constant(0.0);
+    let divisor = largest.select(zero.less(largest), a.constant(1.0));
+    let [a, b, c] = [a / divisor, b / divisor, c / divisor];
+    let square = a.mul_add(a, b.mul_add(b, c * c));
+    largest * (square * a.constant(2.0 / 3.0)).sqrt()
+}

@@ -1,0 +1,160 @@
+//! What a yield surface says, and how a trial stress flows back to it.
+
+use powerhouse_model::{ElasticMedium, Lane, Stress};
+
+use crate::PrincipalAxes;
+
+/// A trial stress further out than this many times the returned one is not corrected but
+/// replaced: the correction would carry the rounding of the trial.
+const FAR: f64 = 64.0;
+
+/// How a point yields; the number stands in the history as `yield_state`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum YieldState {
+    /// Elastic in the last step: 0.
+    Elastic,
+    /// In shear: 1.
+    Shear,
+    /// In tension: 2.
+    Tension,
+    /// In shear and in tension: 3.
+    Both,
+}
+
+impl YieldState {
+    /// The number in the history.
+    pub const fn number(self) -> f64 {
+        match self {
+            Self::Elastic => 0.0,
+            Self::Shear => 1.0,
+            Self::Tension => 2.0,
+            Self::Both => 3.0,
+        }
+    }
+}
+
+/// Where a trial stress comes to lie.
+#[derive(Clone, Copy, Debug)]
+pub struct PrincipalReturn<L> {
+    /// Principal stresses on the surface (Pa), in falling order.
+    pub stress: [L; 3],
+    /// The number of the [`YieldState`].
+    pub state: L,
+}
+
+/// An isotropic perfectly plastic yield surface with its flow rule, in principal stresses.
+///
+/// Implemented by [`MohrCoulomb`](crate::MohrCoulomb); [`ElastoPlastic`](crate::ElastoPlastic)
+/// makes a law of it.
+pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
+    /// The name of the elastic-plastic law of this surface.
+    fn name(&self) -> &str;
+    /// The elastic medium.
+    fn medium(&self) -> ElasticMedium;
+    /// An upper bound of [`excess`](Self::excess) from invariants alone (Pa): where it is not
+    /// positive the stress is elastic, and no principal values are needed.
+    fn bound<L: Lane>(&self, stress: &Stress<L>) -> L;
+    /// The yield function of principal stresses in falling order (Pa), positive outside.
+    fn excess<L: Lane>(&self, principal: &[L; 3]) -> L;
+    /// The stress on the surface that belongs to a trial stress outside.
+    fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L>;
+    /// The uniaxial tensile stress at yield (Pa): the surface in force, not what is listed.
+    fn uniaxial_tension(&self) -> f64;
+    /// The uniaxial compressive stress at yield (Pa), positive.
+    fn uniaxial_compression(&self) -> f64;
+    /// Principal plastic strains of uniaxial tension along the first axis, scaled to a first of
+    /// one.
+    fn flow_in_uniaxial_tension(&self) -> [f64; 3];
+    /// Principal plastic strains of uniaxial compression along the third axis, scaled to a third
+    /// of minus one.
+    fn flow_in_uniaxial_compression(&self) -> [f64; 3];
+}
+
+/// Mean stress and the square root of the second invariant of the deviator (Pa).
+#[inline(always)]
+pub(crate) fn mean_and_shear<L: Lane>(stress: &Stress<L>) -> (L, L) {
+    let [xx, yy, zz, xy, yz, zx] = stress.0;
+    let mean = (xx + yy + zz) * xx.constant(1.0 / 3.0);
+    let (x, y, z) = (xx - mean, yy - mean, zz - mean);
+    let normal = x.mul_add(x, y.mul_add(y, z * z)) * xx.constant(0.5);
+    let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
+    (mean, (normal + shear).sqrt())
+}
+
+/// Plastic flow of one step.
+pub(crate) struct Flow<L: Lane> {
+    /// Which lanes flowed.
+    pub(crate) yielded: L::Mask,
+    /// Principal axes of trial stress, returned stress and plastic strain increment.
+    pub(crate) axes: PrincipalAxes<L>,
+    /// Principal stresses after the return (Pa).
+    pub(crate) stress: [L; 3],
+    /// Principal increments of plastic strain, zero where nothing flowed.
+    pub(crate) plastic: [L; 3],
+    /// The number of the [`YieldState`].
+    pub(crate) state: L,
+}
+
+impl<L: Lane> Flow<L> {
+    /// The flow that brings a trial stress back to the surface; none if no lane leaves it.
+    #[inline(always)]
+    pub(crate) fn back<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
+        let bound = surface.bound(trial);
+        let zero = bound.constant(0.0);
+        let may_yield = zero.less(bound);
+        if !bound.any(may_yield) {
+            return None;
+        }
+        let axes = PrincipalAxes::of(trial);
+        // The bound decides first, in every lane: a lane on its own would not come here.
+        let excess = surface.excess(&axes.values).select(may_yield, zero);
+        let yielded = zero.less(excess);
+        let returned = surface.return_principal(&axes.values);
+        let stress = pick(yielded, &returned.stress, &axes.values);
+
+        // e = C^-1 (trial - returned), in principal values.
+        let medium = surface.medium();
+        let share = bound.constant(medium.poisson / (1.0 + medium.poisson));
+        let compliance = bound.constant(0.5 / medium.shear());
+        let loss: [L; 3] = core::array::from_fn(|i| axes.values[i] - stress[i]);
+        let common = share * (loss[0] + loss[1] + loss[2]);
+        let plastic = loss.map(|x| (compliance * (x - common)).select(yielded, zero));
+        Some(Self {
+            yielded,
+            axes,
+            stress,
+            plastic,
+            state: returned.state.select(yielded, zero),
+        })
+    }
+
+    /// The change of stress against the initial stress after the flow (Pa), from the change that
+    /// was elastic.
+    #[inline(always)]
+    pub(crate) fn stress_change(&self, elastic: &Stress<L>, initial: &Stress<L>) -> Stress<L> {
+        let difference = core::array::from_fn(|i| self.stress[i] - self.axes.values[i]);
+        let corrected = *elastic + Stress(self.axes.tensor(&difference));
+        let replaced = Stress(self.axes.tensor(&self.stress)) - *initial;
+        let first = elastic.0[0];
+        let size = |values: &[L; 3]| values[0].abs().max(values[2].abs());
+        let far = (size(&self.stress) * first.constant(FAR)).less(size(&self.axes.values));
+        Stress(core::array::from_fn(|i| {
+            let moved = replaced.0[i].select(far, corrected.0[i]);
+            moved.select(self.yielded, elastic.0[i])
+        }))
+    }
+
+    /// Increments of plastic strain, engineering shears; zero where nothing flowed.
+    #[inline(always)]
+    pub(crate) fn plastic_strain(&self) -> [L; 6] {
+        let [xx, yy, zz, xy, yz, zx] = self.axes.tensor(&self.plastic);
+        let zero = xx.constant(0.0);
+        [xx, yy, zz, xy + xy, yz + yz, zx + zx].map(|x| x.select(self.yielded, zero))
+    }
+}
+
+/// One of two sets of three values, lane by lane.
+#[inline(always)]
+pub(crate) fn pick<L: Lane>(mask: L::Mask, this: &[L; 3], other: &[L; 3]) -> [L; 3] {
+    core::array::from_fn(|i| this[i].select(mask, other[i]))
+}

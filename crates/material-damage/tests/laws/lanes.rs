@@ -1,0 +1,82 @@
+//! Many points at once against one at a time.
+
+use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, MohrCoulombParameters, presets};
+use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
+
+use crate::packs::Pack;
+use crate::random::Random;
+
+/// Follows random cyclic strains of four points, wide and one at a time, under an initial stress.
+fn same_bits<S, M: ConstitutiveLaw>(law: &M, amplitude: f64)
+where
+    S: Lane<Scalar = S, Token = (), Mask = bool> + Scalar,
+{
+    let mut random = Random(7);
+    let variables = law.history().len();
+    let zero = S::splat((), 0.0);
+    let mut old = vec![Pack::<S, 4>([zero; 4]); variables];
+    let mut yielded = 0;
+    for step in 0..400 {
+        // The first lane stays small, the last is large: lanes yield at different steps. All grow,
+        // so that plastic flow goes on.
+        let strains: [[S; 6]; 4] = core::array::from_fn(|lane| {
+            let size = amplitude * [0.01, 0.3, 1.0, 3.0][lane] * (1.0 + 0.01 * f64::from(step));
+            random.six().map(|x| S::from_f64(size * x))
+        });
+        let initial = S::from_f64(-1.0e6);
+        let input_strain = Strain(core::array::from_fn(|i| {
+            Pack(core::array::from_fn(|lane| strains[lane][i]))
+        }));
+        let at = |i: usize| if i < 3 { initial } else { zero };
+        let wide_initial = Stress(core::array::from_fn(|i| Pack([at(i); 4])));
+        let mut new = old.clone();
+        let input = LawInput::new(input_strain, &old).with_initial(wide_initial);
+        let wide = law.stress_change(&input.with_size(Pack([S::from_f64(0.5); 4])), &mut new);
+        for lane in 0..4 {
+            let single_old: Vec<S> = old.iter().map(|h| h.0[lane]).collect();
+            let mut single_new = single_old.clone();
+            let input = LawInput::new(Strain(strains[lane]), &single_old)
+                .with_initial(Stress(core::array::from_fn(at)))
+                .with_size(S::from_f64(0.5));
+            let single = law.stress_change(&input, &mut single_new);
+            for i in 0..6 {
+                let pair = [wide.0[i].0[lane].to_f64(), single.0[i].to_f64()];
+                assert_eq!(
+                    pair[0].to_bits(),
+                    pair[1].to_bits(),
+                    "{step} {lane} {i} {pair:?}"
+                );
+            }
+            for h in 0..variables {
+                let pair = [new[h].0[lane].to_f64(), single_new[h].to_f64()];
+                assert_eq!(
+                    pair[0].to_bits(),
+                    pair[1].to_bits(),
+                    "{step} {lane} {h} {pair:?}"
+                );
+            }
+            yielded += usize::from(single_new[..6] != single_old[..6]);
+        }
+        old = new;
+    }
+    assert!(
+        yielded > 100,
+        "{}: only {yielded} points yielded",
+        law.name()
+    );
+}
+
+/// Mohr-Coulomb: many points at once are the same bits as one at a time, in both precisions.
+#[test]
+fn mohr_coulomb_is_the_same_wide_and_scalar() {
+    for dilation in [0.0, 42.0] {
+        let p = MohrCoulombParameters {
+            dilation,
+            tension_strength: Some(0.5e6),
+            ..presets::PAPER_ROCK
+        };
+        let law = ElastoPlastic::new(MohrCoulomb::new(p).unwrap());
+        same_bits::<f64, _>(&law, 1.0e-3);
+        same_bits::<f32, _>(&law, 1.0e-3);
+    }
+}
