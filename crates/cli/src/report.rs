@@ -6,9 +6,9 @@ use std::time::Duration;
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
 use powerhouse::{Error, Remark, Results, Simulation};
-use powerhouse_study::{CheckReport, FreeFieldReport};
+use powerhouse_study::{CheckReport, FreeFieldReport, PointError, Warning};
 
-pub(crate) fn before_run(simulation: &mut Simulation) -> Result<(), Error> {
+pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> Result<(), Error> {
     let mesh = simulation.mesh().clone();
     println!("{}", simulation.title());
     println!(
@@ -17,6 +17,9 @@ pub(crate) fn before_run(simulation: &mut Simulation) -> Result<(), Error> {
         mesh.element_count()
     );
     remarks(simulation.remarks());
+    for warning in warnings {
+        println!("warning: {warning}");
+    }
     let stable = simulation.stable_step()?;
     step(&stable, simulation.step()?);
     Ok(())
@@ -56,7 +59,15 @@ pub(crate) fn free_field(report: &FreeFieldReport) {
         "free field without the structure: {x} x {y} x {z} bricks, step {:.3e} s, {:.2} s computed",
         report.step, report.window
     );
-    for point in &report.points {
+    errors(&report.points);
+    if let Some(points) = &report.damped {
+        println!("the same with the damping of the ground, which the free field does not have:");
+        errors(points);
+    }
+}
+
+fn errors(points: &[PointError]) {
+    for point in points {
         let p = point.position;
         println!(
             "  {:<10} ({:.2}, {:.2}, {:.2}): relative error {:.5} of displacement, {:.5} of velocity",
@@ -95,6 +106,9 @@ pub(crate) fn check(report: &CheckReport) {
         cost.steps,
         duration(cost.wall_time)
     );
+    if let Some(time) = cost.self_check {
+        println!("about {} before it to check the free field", duration(time));
+    }
     println!(
         "about {} of memory, at most {} of files",
         bytes(cost.memory),

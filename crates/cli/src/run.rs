@@ -21,9 +21,10 @@ pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
     };
+    let warnings = powerhouse_study::warnings(&scene)?;
     let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;
-    report::before_run(&mut simulation)?;
+    report::before_run(&mut simulation, &warnings)?;
     folder.create()?;
 
     if let (Some(free_field), Some(limit)) = (free_field, limit) {

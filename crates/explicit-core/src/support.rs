@@ -37,6 +37,14 @@ impl Support {
             held: Held::Direction(normal),
         }
     }
+    /// The same support of other nodes (mesh indices).
+    #[must_use]
+    pub fn on(&self, nodes: Vec<u32>) -> Self {
+        Self {
+            nodes,
+            held: self.held,
+        }
+    }
     /// The nodes that are held (mesh indices).
     pub fn nodes(&self) -> &[u32] {
         &self.nodes

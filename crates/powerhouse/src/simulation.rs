@@ -204,23 +204,31 @@ impl Simulation {
         options.with_energy(check)
     }
 
-    /// Takes some steps without looking at them, to see how long they take: what a step of a run
-    /// costs beside its observers. The model has moved afterwards.
+    /// Takes some steps with all that is recorded, and tells how long they take; the first and the
+    /// last one, which everything looks at, are taken beside. The model has moved afterwards, and
+    /// what was recorded belongs to no run.
     ///
     /// # Errors
     /// As [`run`](Self::run).
     pub fn time_steps(&mut self, count: u64) -> Result<Duration, Error> {
         let step = self.step()?;
-        let options = self.options(RunOptions::steps(count), step);
-        let started = Instant::now();
+        let options = self.options(RunOptions::steps(count + 2), step);
+        let (mut started, mut taken) = (Instant::now(), Duration::ZERO);
         run(
             &mut self.model,
             self.integrator.as_ref(),
             &options,
-            &mut [],
-            &mut |_| {},
+            &mut self.observed.1,
+            &mut |progress| {
+                if progress.done == 1 {
+                    started = Instant::now();
+                }
+                if progress.done == count + 1 {
+                    taken = started.elapsed();
+                }
+            },
         )?;
-        Ok(started.elapsed())
+        Ok(taken)
     }
 }
 

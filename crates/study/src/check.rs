@@ -1,7 +1,6 @@
 //! What can be said of a scene without running it.
 
 use core::fmt;
-use std::time::Duration;
 
 use powerhouse::engine::StableStep;
 use powerhouse::model::{ElementKind, QualityReport};
@@ -9,29 +8,13 @@ use powerhouse::{Error, Remark, Scene};
 
 use crate::StudyError;
 use crate::cost::{self, Cost};
+use crate::free_field::FreeFieldCheck;
+use crate::resolution::{self, Resolution};
 
-/// Elements per wavelength that a mesh should have for waves to travel without visible dispersion.
-const PER_WAVELENGTH: f64 = 10.0;
 /// Above this ratio of longest to shortest edge waves travel at different speeds along and across.
 const LARGEST_ASPECT: f64 = 10.0;
 /// Below this scaled Jacobian an element is badly distorted.
 const LEAST_JACOBIAN: f64 = 0.2;
-/// A warning is due if more than this share of a record's energy lies above what a set carries.
-const LOST_SHARE: f64 = 0.01;
-
-/// The highest frequency that a part carries, with ten elements per wavelength of shear waves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Resolution {
-    /// The part's set.
-    pub set: String,
-    /// Speed of shear waves (m/s).
-    pub s_speed: f64,
-    /// Longest edge (m).
-    pub longest_edge: f64,
-    /// `s_speed / (10 longest_edge)` (Hz).
-    pub frequency: f64,
-}
-
 /// A doubt about a scene.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -60,17 +43,24 @@ pub enum Warning {
         /// The part's set.
         set: String,
     },
-    /// A record with motion that a part cannot carry.
+    /// A motion that a part cannot carry.
     Unresolved {
-        /// The record's name.
-        record: String,
+        /// What moves: the incoming field, or a record if there is none.
+        motion: String,
         /// The part's set.
         set: String,
-        /// Share of the record's energy (of acceleration) above the part's frequency.
+        /// Share of the motion's energy (of acceleration) above the part's frequency.
         share: f64,
         /// That frequency (Hz).
         frequency: f64,
     },
+    /// A field that does not move the surface in the time of the run.
+    StillField {
+        /// The run's duration (s).
+        duration: f64,
+    },
+    /// No field, load, weight or prescribed motion: nothing moves.
+    Undriven,
 }
 
 impl fmt::Display for Warning {
@@ -95,14 +85,19 @@ impl fmt::Display for Warning {
                 f,
                 "'{set}' has four-node tetrahedra: too stiff in bending, and they lock in plastic flow"
             ),
+            Self::StillField { duration } => write!(
+                f,
+                "the field does not move the surface within the {duration} s of the run"
+            ),
+            Self::Undriven => f.write_str("nothing drives this scene"),
             Self::Unresolved {
-                record,
+                motion,
                 set,
                 share,
                 frequency,
             } => write!(
                 f,
-                "{:.1} % of the energy of record '{record}' lies above {frequency:.1} Hz, which is all that '{set}' carries",
+                "{:.1} % of the energy of {motion} lies above {frequency:.1} Hz, which is all that '{set}' carries",
                 100.0 * share
             ),
         }
@@ -133,11 +128,6 @@ pub struct CheckReport {
     pub warnings: Vec<Warning>,
 }
 
-/// Steps taken before the clock starts, and steps that are timed; more until the clock is sure.
-const WARM_UP: u64 = 5;
-/// The clock runs at least so long.
-const LEAST_CLOCK: Duration = Duration::from_millis(500);
-
 /// Looks at a scene: mesh, frequencies, stable step, and what a run will cost. Some steps are
 /// computed to see how long they take.
 ///
@@ -146,11 +136,13 @@ const LEAST_CLOCK: Duration = Duration::from_millis(500);
 pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let mesh = scene.mesh().clone();
     let quality = mesh.check().map_err(Error::from)?;
-    let resolution = resolution(&scene)?;
-    let mut warnings = shape_warnings(&scene, &quality)?;
-    warnings.extend(unresolved(&scene, &resolution));
-    let output = cost::output(scene.output_plan(), &mesh, scene.run_duration());
-
+    let resolution = resolution::resolution(&scene)?;
+    let mut warnings = warnings_of(&scene, &quality, &resolution)?;
+    let account = cost::Account::of(&scene)?;
+    let free_field = match scene.self_check() {
+        Some(_) => Some(FreeFieldCheck::of(&scene)?),
+        None => None,
+    };
     let mut simulation = scene.prepare()?;
     let remarks = simulation.remarks().to_vec();
     let doubts = remarks.iter().filter(|remark| remark.is_warning());
@@ -158,12 +150,17 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let stable = simulation.stable_step()?;
     let step = simulation.step()?;
     let steps = (simulation.duration() / step).ceil() as u64 + 1;
+    let self_check = match free_field {
+        Some(check) => Some(check.wall_time(step)?),
+        None => None,
+    };
     let cost = Cost {
         steps,
         step,
-        wall_time: time_of_step(&mut simulation)?.mul_f64(steps as f64),
-        memory: cost::memory(&mesh),
-        output,
+        wall_time: cost::time_of_step(&mut simulation)?.mul_f64(steps as f64),
+        self_check,
+        memory: account.memory(steps),
+        output: account.output(steps),
     };
     Ok(CheckReport {
         title: simulation.title().to_owned(),
@@ -178,49 +175,27 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     })
 }
 
-fn time_of_step(simulation: &mut powerhouse::Simulation) -> Result<Duration, StudyError> {
-    simulation.time_steps(WARM_UP)?;
-    let mut count = WARM_UP;
-    loop {
-        let taken = simulation.time_steps(count)?;
-        if taken >= LEAST_CLOCK {
-            return Ok(taken.div_f64(count as f64));
-        }
-        count *= 2;
+/// Doubts about a scene that need no run to be seen: shapes of elements, and what they cannot carry.
+/// Those that show when the scene is prepared are in [`powerhouse::Simulation::remarks`].
+///
+/// # Errors
+/// A mesh or a set that is at fault.
+pub fn warnings(scene: &Scene) -> Result<Vec<Warning>, StudyError> {
+    let quality = scene.mesh().check().map_err(Error::from)?;
+    warnings_of(scene, &quality, &resolution::resolution(scene)?)
+}
+
+fn warnings_of(
+    scene: &Scene,
+    quality: &QualityReport,
+    resolution: &[Resolution],
+) -> Result<Vec<Warning>, StudyError> {
+    let mut warnings = shape_warnings(scene, quality)?;
+    if !scene.is_driven() {
+        warnings.push(Warning::Undriven);
     }
-}
-
-fn resolution(scene: &Scene) -> Result<Vec<Resolution>, StudyError> {
-    let mesh = scene.mesh();
-    scene
-        .parts()
-        .iter()
-        .map(|part| {
-            let elements = mesh.element_set(&part.set).map_err(Error::from)?;
-            let longest_edge = elements
-                .iter()
-                .map(|&e| longest_edge(mesh, e))
-                .fold(0.0, f64::max);
-            let s_speed = part.material.medium().s_speed();
-            Ok(Resolution {
-                set: part.set.clone(),
-                s_speed,
-                longest_edge,
-                frequency: s_speed / (PER_WAVELENGTH * longest_edge),
-            })
-        })
-        .collect()
-}
-
-/// The longest edge of an element (m).
-fn longest_edge(mesh: &powerhouse::model::Mesh, element: u32) -> f64 {
-    let nodes = mesh.nodes_of(element);
-    let at = |i: u8| mesh.positions()[nodes[i as usize] as usize];
-    let sides = mesh.kind(element).sides();
-    let edges = sides.iter().flat_map(|side| {
-        (0..side.len()).map(|i| (at(side[i]) - at(side[(i + 1) % side.len()])).norm())
-    });
-    edges.fold(0.0, f64::max)
+    warnings.extend(resolution::doubts(scene, resolution)?);
+    Ok(warnings)
 }
 
 fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>, StudyError> {
@@ -253,28 +228,4 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
         }
     }
     Ok(warnings)
-}
-
-/// Records with more motion above a part's frequency than is permitted.
-fn unresolved(scene: &Scene, resolution: &[Resolution]) -> Vec<Warning> {
-    let mut warnings = Vec::new();
-    for (name, history) in scene.records() {
-        let spectrum = history.fourier_spectrum();
-        let energy = |from: f64| -> f64 {
-            let above = spectrum.iter().filter(|line| line.frequency >= from);
-            above.map(|line| line.amplitude * line.amplitude).sum()
-        };
-        for part in resolution {
-            let share = energy(part.frequency) / energy(0.0);
-            if share > LOST_SHARE {
-                warnings.push(Warning::Unresolved {
-                    record: name.clone(),
-                    set: part.set.clone(),
-                    share,
-                    frequency: part.frequency,
-                });
-            }
-        }
-    }
-    warnings
 }

@@ -1,10 +1,14 @@
 //! What a run will cost.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use powerhouse::OutputPlan;
+use powerhouse::engine::Precision;
 use powerhouse::engine::observe::Motion;
 use powerhouse::model::Mesh;
+use powerhouse::{Error, OutputPlan, Scene, Simulation};
+
+use crate::StudyError;
 
 /// What a run will cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,62 +17,178 @@ pub struct Cost {
     pub steps: u64,
     /// Length of a step (s).
     pub step: f64,
-    /// Wall time, from some steps that were timed; without output.
+    /// Wall time of the steps and of what is recorded, from some steps that were timed; the writing
+    /// of files aside.
     pub wall_time: Duration,
-    /// Memory (bytes), within a third.
+    /// Wall time of the free-field check before the run, if the scene asks for one.
+    pub self_check: Option<Duration>,
+    /// Memory (bytes), within a third; tables of waves past the critical angle aside.
     pub memory: u64,
     /// Files (bytes), at most.
     pub output: u64,
 }
 
+/// Steps taken before the clock starts, and steps that are timed; more until the clock is sure.
+const WARM_UP: u64 = 5;
+/// The clock runs at least so long.
+const LEAST_CLOCK: Duration = Duration::from_millis(800);
+
+/// The time of one step, from some that are computed.
+pub(crate) fn time_of_step(simulation: &mut Simulation) -> Result<Duration, StudyError> {
+    simulation.time_steps(WARM_UP)?;
+    let mut count = 2 * WARM_UP;
+    loop {
+        let taken = simulation.time_steps(count)?;
+        if taken >= LEAST_CLOCK {
+            return Ok(taken.div_f64(count as f64));
+        }
+        count *= 2;
+    }
+}
+
 /// Bytes per node: position, displacement, velocity and forces (32 each), mass, numbers.
-const NODE_BYTES: u64 = 260;
+const NODE_BYTES: f64 = 260.0;
 /// Bytes per element: geometry, connectivity, masses, tags and sets.
-const ELEMENT_BYTES: u64 = 700;
+const ELEMENT_BYTES: [(Precision, f64); 3] = [
+    (Precision::F64, 700.0),
+    (Precision::Mixed, 450.0),
+    (Precision::F32, 350.0),
+];
+/// Bytes per absorbing node: its matrices, and its constants of three waves.
+const BOUNDARY_NODE_BYTES: f64 = 600.0;
+/// Bytes per number recorded: it is copied while it is written and drawn.
+const RECORDED_BYTES: f64 = 32.0;
+/// Bytes of the canvas on which a picture is drawn.
+const CANVAS_BYTES: f64 = 32e6;
 /// Bytes of a program that does nothing yet.
-const BASE_BYTES: u64 = 12 << 20;
+const BASE_BYTES: f64 = 12e6;
 
-/// Memory of a model in double precision (bytes).
-pub(crate) fn memory(mesh: &Mesh) -> u64 {
-    BASE_BYTES + NODE_BYTES * mesh.node_count() as u64 + ELEMENT_BYTES * mesh.element_count() as u64
+/// What the costs of a scene depend on, taken from it before it is consumed.
+pub(crate) struct Account {
+    mesh: Arc<Mesh>,
+    plan: OutputPlan,
+    duration: f64,
+    precision: Precision,
+    absorbing_nodes: usize,
 }
 
-/// Size of the files of a plan over a duration (s), in bytes.
-pub(crate) fn output(plan: &OutputPlan, mesh: &Mesh, duration: f64) -> u64 {
-    /// Of a number in a CSV file.
-    const NUMBER: u64 = 23;
-    let (nodes, elements) = (mesh.node_count() as u64, mesh.element_count() as u64);
-    let rows = |every: f64| (duration / every).ceil() as u64 + 2;
-    let vectors = |motion: Motion| {
-        [motion.displacement, motion.velocity, motion.acceleration]
-            .iter()
-            .filter(|wanted| **wanted)
-            .count() as u64
-    };
-    let columns: u64 = plan
-        .histories
-        .iter()
-        .map(|wish| 3 * vectors(wish.motion))
-        .sum();
-    let columns = columns
-        + 9 * plan.stresses.len() as u64
-        + 4 * plan.relative.len() as u64
-        + 9 * plan.cuts.len() as u64;
-    let mut bytes = columns * rows(plan.every) * NUMBER;
-    // What does not change is in every file too: positions, numbers, connectivity, sets.
-    let fixed = 16 * nodes + elements * (20 + mesh.element_sets().len() as u64 / 8);
-    if let Some(snapshots) = &plan.snapshots {
-        let stress = if snapshots.fields.stress {
-            24 * elements
-        } else {
-            0
-        };
-        let one = fixed + 12 * vectors(snapshots.fields.motion) * nodes + stress;
-        bytes += one * rows(snapshots.every);
+impl Account {
+    pub(crate) fn of(scene: &Scene) -> Result<Self, StudyError> {
+        let mesh = scene.mesh().clone();
+        let mut absorbing = Vec::new();
+        for (_, facets) in scene.absorbing_facets().map_err(Error::from)? {
+            absorbing.extend(mesh.nodes_of_facets(facets));
+        }
+        absorbing.sort_unstable();
+        absorbing.dedup();
+        Ok(Self {
+            mesh,
+            plan: scene.output_plan().clone(),
+            duration: scene.run_duration(),
+            precision: scene.number_format(),
+            absorbing_nodes: absorbing.len(),
+        })
     }
-    if let Some(envelope) = &plan.envelope {
-        let stress = if envelope.stress { 16 * elements } else { 0 };
-        bytes += fixed + 8 * vectors(envelope.motion) * nodes + stress;
+
+    fn rows(&self, steps: u64) -> Rows {
+        Rows {
+            duration: self.duration,
+            steps: steps as f64,
+        }
     }
-    bytes
+
+    /// Memory of a run of so many steps (bytes).
+    pub(crate) fn memory(&self, steps: u64) -> u64 {
+        let (nodes, elements) = self.counts();
+        let known = ELEMENT_BYTES.iter().find(|(p, _)| *p == self.precision);
+        let element = known.map_or(ELEMENT_BYTES[0].1, |(_, bytes)| *bytes);
+        let mut bytes = BASE_BYTES
+            + NODE_BYTES * nodes
+            + element * elements
+            + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
+            + RECORDED_BYTES * numbers(&self.plan, &self.rows(steps));
+        if let Some(envelope) = &self.plan.envelope {
+            // A peak and its time, for each quantity; two quantities of stress.
+            let stress = if envelope.stress { 32.0 } else { 0.0 };
+            bytes += 16.0 * vectors(envelope.motion) * nodes + stress * elements + CANVAS_BYTES;
+        }
+        bytes as u64
+    }
+
+    /// Size of the files of a run of so many steps (bytes).
+    pub(crate) fn output(&self, steps: u64) -> u64 {
+        let (nodes, elements) = self.counts();
+        let rows = self.rows(steps);
+        let mut bytes = SUMMARY_BYTES + (CSV_BYTES + PLOT_BYTES) * numbers(&self.plan, &rows);
+        // What does not change is in every file too: positions, numbers, connectivity, sets.
+        let sets = self.mesh.element_sets().len() as f64;
+        let fixed = 16.0 * nodes + elements * (20.0 + sets / 8.0);
+        if let Some(snapshots) = &self.plan.snapshots {
+            let stress = if snapshots.fields.stress { 24.0 } else { 0.0 };
+            let motion = 12.0 * vectors(snapshots.fields.motion);
+            bytes += (fixed + motion * nodes + stress * elements) * rows.at(snapshots.every);
+        }
+        if let Some(envelope) = &self.plan.envelope {
+            let (stress, pictures) = if envelope.stress {
+                (16.0, 2.0)
+            } else {
+                (0.0, 0.0)
+            };
+            bytes += fixed + 8.0 * vectors(envelope.motion) * nodes + stress * elements;
+            bytes += PICTURE_BYTES * (vectors(envelope.motion) + pictures);
+        }
+        // What is beyond all bounds becomes the largest number.
+        bytes as u64
+    }
+
+    /// Nodes and elements.
+    fn counts(&self) -> (f64, f64) {
+        let mesh = &self.mesh;
+        (mesh.node_count() as f64, mesh.element_count() as f64)
+    }
 }
+
+/// How often something is looked at that has a cadence.
+struct Rows {
+    duration: f64,
+    steps: f64,
+}
+
+impl Rows {
+    /// At most once a step, and at the first and last one.
+    fn at(&self, every: f64) -> f64 {
+        ((self.duration / every).ceil() + 2.0).min(self.steps)
+    }
+}
+
+fn vectors(motion: Motion) -> f64 {
+    let wanted = [motion.displacement, motion.velocity, motion.acceleration];
+    wanted.iter().filter(|wanted| **wanted).count() as f64
+}
+
+/// Columns of the energy ledger, of a relative displacement, of a cut and of a stress.
+const ENERGY_COLUMNS: f64 = 19.0;
+const RELATIVE_COLUMNS: f64 = 4.0;
+const CUT_COLUMNS: f64 = 9.0;
+const STRESS_COLUMNS: f64 = 9.0;
+
+/// Numbers in tables against time, times among them.
+fn numbers(plan: &OutputPlan, rows: &Rows) -> f64 {
+    let histories = plan.histories.iter().map(|wish| 3.0 * vectors(wish.motion));
+    let columns = histories.sum::<f64>()
+        + STRESS_COLUMNS * plan.stresses.len() as f64
+        + RELATIVE_COLUMNS * plan.relative.len() as f64
+        + CUT_COLUMNS * plan.cuts.len() as f64;
+    let energies = plan
+        .energies
+        .map_or(0.0, |every| (1.0 + ENERGY_COLUMNS) * rows.at(every));
+    let tables = if columns > 0.0 { columns + 2.0 } else { 0.0 };
+    tables * rows.at(plan.every) + energies
+}
+
+/// Bytes of a number in a CSV file, and as a point of a plot.
+const CSV_BYTES: f64 = 23.0;
+const PLOT_BYTES: f64 = 16.0;
+/// Bytes of a picture, and of the summary with the scene.
+const PICTURE_BYTES: f64 = 4e5;
+const SUMMARY_BYTES: f64 = 4e4;

@@ -12,9 +12,9 @@ pub enum StudyError {
     /// No field comes in.
     #[error("the scene has no incident field to check")]
     NoField,
-    /// A face of the box on which the scene has no absorbing boundary.
+    /// A side of the box that neither absorbs nor is held as a whole.
     #[error(
-        "the free-field check needs absorbing faces all around: the {face} of the mesh's box has none"
+        "the free-field check needs a box whose sides absorb or are held: the {face} of the mesh's box does neither"
     )]
     OpenFace {
         /// The side of the box.
@@ -29,7 +29,7 @@ pub enum StudyError {
         face: String,
     },
     /// The field does not move the points where it is checked within the time of the run.
-    #[error("the field does not reach the scene within {duration} s")]
+    #[error("the field does not move the surface and the structure within {duration} s")]
     StillField {
         /// The run's duration (s).
         duration: f64,

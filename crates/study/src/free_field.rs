@@ -1,14 +1,21 @@
 //! The scene's box without the structure.
 
-use powerhouse::engine::Ended;
+use std::time::Duration;
+
 use powerhouse::engine::observe::{HistoryTable, Motion};
+use powerhouse::engine::{Ended, Progress, Rayleigh};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{
-    ElementKind, FieldMotion, FieldSampler, IncidentField, Mesh, ModelError, Vec3,
+    ElasticMedium, ElementKind, FieldMotion, FieldSampler, Mesh, ModelError, Vec3,
 };
-use powerhouse::{Error, Kernel, Material, OutputPlan, Part, RunHooks, Scene, TimeStep};
+use powerhouse::{
+    Error, Kernel, Material, OutputPlan, Part, ProgressHook, RunHooks, Scene, Simulation, TimeStep,
+};
 
 use crate::StudyError;
+use crate::cost::time_of_step;
+use crate::resolution::longest_edge_of;
+use crate::sides::bring_over;
 
 /// How well the free field of a scene is reproduced.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,16 +28,21 @@ pub struct FreeFieldReport {
     pub window: f64,
     /// Errors at the points that were compared.
     pub points: Vec<PointError>,
+    /// The same with the damping of the part behind the absorbing faces, if it has some; no limit
+    /// applies to them, since the free field has no damping.
+    pub damped: Option<Vec<PointError>>,
 }
 
 impl FreeFieldReport {
     /// The largest relative error of velocity at any point: strain, which loads a structure, goes
-    /// with velocity.
+    /// with velocity. Not a number if one of them is none.
     pub fn largest(&self) -> f64 {
         let errors = self.points.iter().map(|point| point.velocity);
-        errors.fold(0.0, f64::max)
+        // What is not a number stands above all numbers in this order, whatever its sign.
+        let errors = errors.map(f64::abs);
+        errors.max_by(f64::total_cmp).unwrap_or(f64::NAN)
     }
-    /// Accepts an error up to a limit.
+    /// Accepts an error up to a limit, and none that is not a number.
     ///
     /// # Errors
     /// [`StudyError::TooCoarse`].
@@ -58,10 +70,12 @@ pub struct PointError {
 /// The box of a scene without the structure, ready to be compared with the field that comes in.
 ///
 /// The box is that of the scene's mesh, of the medium behind its absorbing faces, cut into equal
-/// bricks: as many as the mesh has elements. It has the scene's boundary, field and kernel, no
-/// damping and no structure. It is compared at the middle of its top and at the scatterer.
+/// bricks as long as the longest edge of the parts there. It has the scene's boundary, field and
+/// kernel, no damping and no structure; supports and periodic pairs that hold the whole of a side
+/// hold it here too. It is compared at the middle of its top and at the scatterer.
 pub struct FreeFieldCheck {
-    scene: Scene,
+    elastic: Scene,
+    damped: Option<Scene>,
     cells: [usize; 3],
     sampler: Box<dyn FieldSampler>,
     points: [(&'static str, Vec3); 2],
@@ -81,16 +95,17 @@ impl FreeFieldCheck {
     /// The box of a scene.
     ///
     /// # Errors
-    /// A scene without a field, or without absorbing faces on all sides of a box but its top.
+    /// A scene without a field, one whose field does not move the points, or one with a side of its
+    /// box, but the top, that neither absorbs nor is held.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
         let (Some(field), Some(boundary)) = (scene.incident_field(), scene.absorbing_boundary())
         else {
             return Err(StudyError::NoField);
         };
         let (low, high) = scene.mesh().bounding_box();
-        let cells = cells(scene.mesh());
+        let cells = cells(scene)?;
         let mut mesh = Mesh::box_of_hexes(low, high, cells, "ground").map_err(Error::from)?;
-        name_faces(scene, &mut mesh)?;
+        let held = bring_over(scene, &mut mesh)?;
         let centre = scene.scatterer()?;
         let middle = (low + high) / 2.0;
         let points = [
@@ -117,15 +132,26 @@ impl FreeFieldCheck {
         }
         let mut boundary = boundary.clone();
         boundary.scatterer = Some(centre);
-        let box_scene = Scene::new(format!("{}: free field", scene.title()), mesh)
-            .part(ground(scene, field.as_ref())?)
-            .shared_field(field.clone())
-            .boundary(boundary)
-            .start(start, scene.initial_motion())
-            .duration(window)
-            .output(output);
+        let compose = |part: Part| {
+            let mut composed = Scene::new(format!("{}: free field", scene.title()), mesh.clone())
+                .part(part)
+                .shared_field(field.clone())
+                .boundary(boundary.clone())
+                .start(start, scene.initial_motion())
+                .duration(window)
+                .output(output.clone());
+            for support in &held.supports {
+                composed = composed.support(support.clone());
+            }
+            for pairs in &held.periodic {
+                composed = composed.periodic(pairs.clone());
+            }
+            composed
+        };
+        let (part, damping) = ground(scene, field.medium())?;
         Ok(Self {
-            scene: box_scene,
+            damped: damping.map(|damping| compose(part.clone().damping(damping))),
+            elastic: compose(part),
             cells,
             sampler,
             points,
@@ -140,10 +166,86 @@ impl FreeFieldCheck {
     /// # Errors
     /// What ended the run before its time, [`StudyError::Interrupted`] among it.
     pub fn run(self, scene_step: f64, hooks: RunHooks) -> Result<FreeFieldReport, StudyError> {
-        let mut simulation = self.scene.prepare()?;
-        let own = simulation.stable_step()?.step;
-        let step = scene_step.clamp(LEAST_SHARE_OF_STEP * own, own);
-        simulation.set_step(TimeStep::Seconds(step));
+        let Self {
+            elastic, damped, ..
+        } = self;
+        let compare = Comparison {
+            sampler: self.sampler,
+            points: self.points,
+        };
+        let (stop, mut progress) = (hooks.stop.clone(), hooks.progress);
+        let first = RunHooks {
+            progress: progress
+                .as_mut()
+                .map(|tell| -> ProgressHook { Box::new(|now: Progress| tell(now)) }),
+            stop: hooks.stop,
+            snapshots: hooks.snapshots,
+            observers: hooks.observers,
+        };
+        let (points, step, time) = compare.run(elastic, scene_step, first)?;
+        let damped = match damped {
+            None => None,
+            Some(damped) => {
+                let hooks = RunHooks {
+                    progress,
+                    stop,
+                    ..RunHooks::default()
+                };
+                Some(compare.run(damped, scene_step, hooks)?.0)
+            }
+        };
+        Ok(FreeFieldReport {
+            cells: self.cells,
+            step,
+            window: time - self.start,
+            points,
+            damped,
+        })
+    }
+
+    /// The time that will be computed (s).
+    pub fn window(&self) -> f64 {
+        self.window
+    }
+
+    /// The wall time that [`run`](Self::run) would take, from some steps that are computed.
+    ///
+    /// # Errors
+    /// What would keep it from running.
+    pub fn wall_time(self, scene_step: f64) -> Result<Duration, StudyError> {
+        let mut sum = Duration::ZERO;
+        for scene in [Some(self.elastic), self.damped].into_iter().flatten() {
+            let (mut simulation, step) = prepare(scene, scene_step)?;
+            sum += time_of_step(&mut simulation)?.mul_f64(self.window / step);
+        }
+        Ok(sum)
+    }
+}
+
+/// A box with the step that it takes for one of the scene (s).
+fn prepare(scene: Scene, scene_step: f64) -> Result<(Simulation, f64), StudyError> {
+    let mut simulation = scene.prepare()?;
+    let own = simulation.stable_step()?.step;
+    let step = scene_step.clamp(LEAST_SHARE_OF_STEP * own, own);
+    simulation.set_step(TimeStep::Seconds(step));
+    Ok((simulation, step))
+}
+
+/// Runs boxes and compares them with the field.
+struct Comparison {
+    sampler: Box<dyn FieldSampler>,
+    points: [(&'static str, Vec3); 2],
+}
+
+impl Comparison {
+    /// The errors of a box, its step and the time of its end (s).
+    fn run(
+        &self,
+        scene: Scene,
+        scene_step: f64,
+        hooks: RunHooks,
+    ) -> Result<(Vec<PointError>, f64, f64), StudyError> {
+        let (simulation, step) = prepare(scene, scene_step)?;
         let results = simulation.run(hooks)?;
         if results.run.ended == Ended::Stopped {
             return Err(StudyError::Interrupted);
@@ -164,117 +266,74 @@ impl FreeFieldCheck {
                 add(velocity, 'v', &exact.velocity);
             }
         }
-        Ok(FreeFieldReport {
-            cells: self.cells,
-            step,
-            window: results.run.time - self.start,
-            points: self
-                .points
-                .iter()
-                .zip(sums)
-                .map(|(&(name, position), [d, d_exact, v, v_exact])| PointError {
-                    name,
-                    position,
-                    displacement: (d / d_exact).sqrt(),
-                    velocity: (v / v_exact).sqrt(),
-                })
-                .collect(),
-        })
-    }
-
-    /// The time that will be computed (s).
-    pub fn window(&self) -> f64 {
-        self.window
+        let errors = self.points.iter().zip(sums);
+        let errors = errors.map(|(&(name, position), [d, d_exact, v, v_exact])| PointError {
+            name,
+            position,
+            displacement: (d / d_exact).sqrt(),
+            velocity: (v / v_exact).sqrt(),
+        });
+        Ok((errors.collect(), step, results.run.time))
     }
 }
 
-/// A vector of a history at a row; zero if there is none.
+/// A vector of a history at a row, without numbers if it was not recorded.
 fn vector(table: &HistoryTable, name: &str, letter: char, row: usize) -> Vec3 {
     let component = |axis: char| {
         let column = table.column(&format!("{name}.{letter}{axis}"));
-        column.map_or(0.0, |column| column.values[row])
+        column.map_or(f64::NAN, |column| column.values[row])
     };
     Vec3::new(component('x'), component('y'), component('z'))
 }
 
-/// As many equal, nearly cubic cells as the mesh has elements.
-fn cells(mesh: &Mesh) -> [usize; 3] {
-    let (low, high) = mesh.bounding_box();
+/// Nearly cubic cells as long as the longest edge of the parts behind the absorbing faces.
+fn cells(scene: &Scene) -> Result<[usize; 3], StudyError> {
+    let mut longest = 0.0_f64;
+    for part in scene.parts_behind_boundary()? {
+        longest = longest.max(longest_edge_of(scene.mesh(), &scene.parts()[part].set)?);
+    }
+    let (low, high) = scene.mesh().bounding_box();
     let extent = high - low;
-    let size = (extent.product() / mesh.element_count() as f64).cbrt();
-    core::array::from_fn(|axis| ((extent[axis] / size).round() as usize).max(2))
+    // No shorter than that, but for rounding and what is thinner than one cell.
+    Ok(core::array::from_fn(|axis| {
+        ((extent[axis] / longest + 1e-6).floor() as usize).max(1)
+    }))
 }
 
-/// The part behind the absorbing faces, elastic and undamped, with its kernel if that takes bricks.
-fn ground(scene: &Scene, field: &dyn IncidentField) -> Result<Part, StudyError> {
-    let part = Part::new("ground", Material::new(LinearElastic::new(field.medium())));
+/// The part behind the absorbing faces, elastic and undamped, with its kernel if that takes bricks;
+/// and its damping, if it has some.
+fn ground(scene: &Scene, medium: ElasticMedium) -> Result<(Part, Option<Rayleigh>), StudyError> {
+    let part = Part::new("ground", Material::new(LinearElastic::new(medium)));
     let behind = scene.parts_behind_boundary()?;
-    let kernel = behind
-        .first()
-        .and_then(|&index| scene.parts()[index].kernel.clone());
-    Ok(
-        match kernel.filter(|kernel: &Kernel| kernel.kind() == ElementKind::Hex8) {
-            Some(kernel) => part.kernel(kernel),
-            None => part,
-        },
-    )
+    let first = behind.first().map(|&index| &scene.parts()[index]);
+    let kernel = first.and_then(|part| part.kernel.clone());
+    let damping = behind.iter().map(|&index| scene.parts()[index].damping);
+    let damping = damping.into_iter().find(|d| *d != Rayleigh::default());
+    let part = match kernel.filter(|kernel: &Kernel| kernel.kind() == ElementKind::Hex8) {
+        Some(kernel) => part.kernel(kernel),
+        None => part,
+    };
+    Ok((part, damping))
 }
 
-/// The sides of a box as its mesh names them, with axis and whether they are the upper one.
-const SIDES: [(&str, usize, bool); 6] = [
-    ("left", 0, false),
-    ("right", 0, true),
-    ("front", 1, false),
-    ("back", 1, true),
-    ("bottom", 2, false),
-    ("top", 2, true),
-];
-
-/// Gives the sides of a box the names of the scene's absorbing faces that lie on them.
-fn name_faces(scene: &Scene, ground: &mut Mesh) -> Result<(), StudyError> {
-    let mesh = scene.mesh();
-    let (low, high) = mesh.bounding_box();
-    let tolerance = 1e-6 * (high - low).norm();
-    let original = ground.clone();
-    let mut covered = [false; SIDES.len()];
-    for (face, facets) in scene.absorbing_facets().map_err(Error::from)? {
-        let mut sides = [false; SIDES.len()];
-        for &facet in facets {
-            let centre = mesh.facet_geometry(facet).centroid;
-            let side = SIDES.iter().position(|&(_, axis, upper)| {
-                let plane = if upper { high[axis] } else { low[axis] };
-                (centre[axis] - plane).abs() <= tolerance
-            });
-            let side = side.ok_or_else(|| StudyError::ObliqueFace { face: face.into() })?;
-            (sides[side], covered[side]) = (true, true);
-        }
-        let mut of_face = Vec::new();
-        for ((name, ..), _) in SIDES.iter().zip(sides).filter(|(_, on)| *on) {
-            of_face.extend_from_slice(original.facet_set(name).map_err(Error::from)?);
-        }
-        ground.set_facet_set(face, of_face).map_err(Error::from)?;
-    }
-    match SIDES[..5].iter().zip(covered).find(|(_, covered)| !covered) {
-        Some(((face, ..), _)) => Err(StudyError::OpenFace { face }),
-        None => Ok(()),
-    }
-}
-
-/// The time in which most of the motion at the first point is over (s).
+/// The time in which most of the motion at the first point is over (s); nothing if a point does
+/// not move in it.
 fn window(sampler: &dyn FieldSampler, start: f64, duration: f64) -> Option<f64> {
     let interval = duration / INSTANTS as f64;
-    let mut sums = Vec::with_capacity(INSTANTS);
-    let mut sum = 0.0;
+    let mut sums = vec![0.0; sampler.len()];
+    let mut history = Vec::with_capacity(INSTANTS);
     for instant in 1..=INSTANTS {
         let mut motion = vec![FieldMotion::default(); sampler.len()];
         sampler.add_motion(start + instant as f64 * interval, &mut motion);
-        sum += motion[0].velocity.norm_squared();
-        sums.push(sum);
+        for (sum, motion) in sums.iter_mut().zip(&motion) {
+            *sum += motion.velocity.norm_squared();
+        }
+        history.push(sums.clone());
     }
-    let reached = sums
-        .iter()
-        .position(|&s| s >= SHARE_OF_MOTION * sum && s > 0.0)?;
-    Some((reached + 1) as f64 * interval)
+    let reached = |sums: &Vec<f64>| sums[0] >= SHARE_OF_MOTION * history[INSTANTS - 1][0];
+    let reached = history.iter().position(reached)?;
+    let moves = history[reached].iter().all(|sum| *sum > 0.0);
+    moves.then_some((reached + 1) as f64 * interval)
 }
 
 impl From<ModelError> for StudyError {

@@ -9,14 +9,21 @@
 //! *The self-check runs the scene's own parts.* The box takes its boundary, field and kernel from
 //! the scene; only the mesh is its own, since that of a scene has a hole where the structure is.
 //!
-//! *It runs undamped.* The free field is elastic, so a damped box cannot reproduce it.
+//! *Its bricks are as long as the longest edge behind the absorbing faces.* A mesh is finer near its
+//! structure; the mean of its elements would promise what its coarse end cannot keep.
+//!
+//! *It runs undamped.* The free field is elastic, so a damped box cannot reproduce it. Where the
+//! ground of a scene is damped, the error with that damping is told beside.
 
 mod check;
 mod cost;
 mod error;
 mod free_field;
+mod resolution;
+mod sides;
 
-pub use check::{CheckReport, Resolution, Warning, check};
+pub use check::{CheckReport, Warning, check, warnings};
 pub use cost::Cost;
 pub use error::StudyError;
 pub use free_field::{FreeFieldCheck, FreeFieldReport, PointError};
+pub use resolution::Resolution;

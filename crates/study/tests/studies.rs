@@ -3,14 +3,18 @@
 use std::sync::Arc;
 
 use powerhouse::boundary::ViscousSpring;
-use powerhouse::engine::Rayleigh;
+use powerhouse::engine::observe::Motion;
+use powerhouse::engine::{PeriodicPairs, Rayleigh, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{
-    Angle, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, WaveKind, first_hit_corner,
+    Angle, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, Signal, SmoothPulse, WaveKind,
+    first_hit_corner,
 };
-use powerhouse::{Boundary, Material, Part, Registry, Remark, RunHooks, Scene};
-use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError, Warning, check};
+use powerhouse::{
+    Boundary, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene, SnapshotWish,
+};
+use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError, Warning, check, warnings};
 
 const ROCK: ElasticMedium = ElasticMedium {
     young: 9.0e9,
@@ -22,13 +26,16 @@ const ROCK: ElasticMedium = ElasticMedium {
 /// smooth to all orders: one of velocities that fall with the third power of frequency, such as
 /// a cubic spline, has an error of velocity that falls with the power 3/2 of the size only.
 fn cube(cells: usize) -> (Mesh, PlaneWave) {
+    let pulse = Ricker::new(RickerQuantity::Displacement, 0.01, 2.0, 0.75);
+    cube_under(cells, Arc::new(pulse.unwrap()))
+}
+
+fn cube_under(cells: usize, pulse: Arc<dyn Signal>) -> (Mesh, PlaneWave) {
     let (low, high) = (Vec3::new(0.0, 0.0, -300.0), Vec3::new(300.0, 300.0, 0.0));
     let mesh = Mesh::box_of_hexes(low, high, [cells; 3], "rock").unwrap();
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
     parameters.incidence = Angle::from_degrees(20.0);
     parameters.reference = first_hit_corner(&low, &high, &parameters.direction());
-    let pulse = Ricker::new(RickerQuantity::Displacement, 0.01, 2.0, 0.75);
-    let pulse = Arc::new(pulse.unwrap());
     (mesh, PlaneWave::new(parameters, pulse).unwrap())
 }
 
@@ -119,22 +126,188 @@ fn an_open_side_is_refused_by_name() {
 /// as the duration needs, and one step to see its end.
 #[test]
 fn a_check_says_what_elements_carry_and_how_many_steps_a_run_takes() {
-    let report = check(scene(6, &SIDES)).unwrap();
+    let report = check(scene(16, &SIDES)).unwrap();
     let carried = &report.resolution[0];
     assert_eq!(carried.set, "rock");
-    assert!((carried.longest_edge - 50.0).abs() < 1e-12);
-    assert!((carried.frequency - ROCK.s_speed() / 500.0).abs() < 1e-12);
+    assert!((carried.longest_edge - 18.75).abs() < 1e-12);
+    assert!((carried.frequency - ROCK.s_speed() / 187.5).abs() < 1e-12);
     assert_eq!(report.cost.step, report.stable.step);
     assert_eq!(
         report.cost.steps,
         (1.5 / report.cost.step).ceil() as u64 + 1
     );
-    assert_eq!((report.nodes, report.elements), (343, 216));
+    assert_eq!((report.nodes, report.elements), (4913, 4096));
     assert_eq!(report.warnings, []);
     // A cube's element bound is 0.758 h/cp at this ratio; the assembled limit lies above it.
-    let bound = 0.758 * 50.0 / ROCK.p_speed();
+    let bound = 0.758 * 18.75 / ROCK.p_speed();
     assert!((report.stable.element_bound / bound - 1.0).abs() < 0.02);
     assert!(report.stable.assembled_limit > 1.1 * bound);
+}
+
+/// A pulse that is too fast for the elements is told, like a record; so is a scene in which nothing
+/// moves, or to which its field comes too late.
+#[test]
+fn what_comes_in_is_held_against_the_elements() {
+    let told = warnings(&scene(4, &SIDES)).unwrap();
+    assert!(
+        matches!(&told[..], [Warning::Unresolved { set, share, frequency, .. }]
+            if set == "rock" && *share > 0.5 && (frequency - ROCK.s_speed() / 750.0).abs() < 1e-9),
+        "{told:?}"
+    );
+    let (mesh, _) = cube(4);
+    let undriven = Scene::new("undriven", mesh).part(rock());
+    assert_eq!(warnings(&undriven).unwrap(), [Warning::Undriven]);
+    // The pulse needs a quarter of a second to the surface.
+    let (mesh, wave) = cube_under(4, Arc::new(SmoothPulse::new(0.01, 0.5).unwrap()));
+    let early = Scene::new("early", mesh)
+        .part(rock())
+        .field(wave)
+        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(Vec3::zeros()))
+        .duration(0.01);
+    let told = warnings(&early).unwrap();
+    assert!(
+        told.contains(&Warning::StillField { duration: 0.01 }),
+        "{told:?}"
+    );
+    assert!(matches!(
+        FreeFieldCheck::of(&early),
+        Err(StudyError::StillField { .. })
+    ));
+}
+
+/// An error that is not a number is never accepted.
+#[test]
+fn an_error_that_is_no_number_is_refused() {
+    let mut report = free_field(&scene(4, &SIDES));
+    report.points[0].velocity = f64::NAN;
+    assert!(report.largest().is_nan());
+    assert!(matches!(
+        report.require(f64::INFINITY),
+        Err(StudyError::TooCoarse { .. })
+    ));
+}
+
+/// The bricks of the box are as long as the longest edge behind the absorbing faces, whatever is
+/// finer inside.
+#[test]
+fn the_box_is_as_coarse_as_the_rock_at_its_coarsest() {
+    let graded = |scale: f64| {
+        let (mesh, wave) = cube(12);
+        // Edges of 25 m, stretched in the lower half and compressed in the upper one.
+        let mesh = mesh
+            .map_positions(|x| {
+                let depth = -x.z;
+                let bent = if depth < 150.0 {
+                    depth * (2.0 - scale)
+                } else {
+                    150.0 * (2.0 - scale) + (depth - 150.0) * scale
+                };
+                Vec3::new(x.x, x.y, -bent)
+            })
+            .unwrap();
+        let scatterer = Vec3::new(150.0, 150.0, -100.0);
+        let boundary = Boundary::new(ViscousSpring::default(), SIDES).scatterer(scatterer);
+        Scene::new("graded", mesh)
+            .part(rock())
+            .field(wave)
+            .boundary(boundary)
+            .duration(1.5)
+    };
+    let cells = |scene: &Scene| free_field(scene).cells;
+    assert_eq!(cells(&graded(1.0)), [12; 3]);
+    assert_eq!(cells(&graded(1.5)), [8; 3]);
+}
+
+/// A slice has its check too: rollers or periodic pairs that hold a whole side hold it in the box,
+/// and the wave in its plane passes as in the block.
+#[test]
+fn slices_are_checked() {
+    let in_plane = ["left", "right", "bottom"];
+    let sliced = |hold: &dyn Fn(Scene, &Mesh) -> Scene| {
+        let whole = scene(12, &in_plane);
+        let mesh = Mesh::clone(whole.mesh());
+        hold(whole, &mesh)
+    };
+    let nodes = |mesh: &Mesh, side: &str| mesh.nodes_of_facets(mesh.facet_set(side).unwrap());
+    let rollers = sliced(&|mut scene, mesh| {
+        for side in ["front", "back"] {
+            scene = scene.support(Support::roller(nodes(mesh, side), Vec3::y()));
+        }
+        scene
+    });
+    let periodic = sliced(&|scene, mesh| {
+        let (front, back) = (nodes(mesh, "front"), nodes(mesh, "back"));
+        scene.periodic(PeriodicPairs::by_translation(mesh, &front, &back, 1e-6).unwrap())
+    });
+    let block = free_field(&scene(12, &SIDES));
+    for slice in [rollers, periodic] {
+        let found = free_field(&slice);
+        assert_eq!(found.cells, block.cells);
+        for (found, block) in found.points.iter().zip(&block.points) {
+            assert!(
+                found.velocity < 1.3 * block.velocity,
+                "{} {}",
+                found.velocity,
+                block.velocity
+            );
+        }
+    }
+    assert!(matches!(
+        FreeFieldCheck::of(&sliced(&|scene, _| scene)),
+        Err(StudyError::OpenFace { face: "front" })
+    ));
+    // A support of a part of a side does not hold it.
+    let part = sliced(&|scene, mesh| {
+        let mut some = nodes(mesh, "front");
+        some.pop();
+        scene.support(Support::roller(some, Vec3::y()))
+    });
+    assert!(matches!(
+        FreeFieldCheck::of(&part),
+        Err(StudyError::OpenFace { face: "front" })
+    ));
+}
+
+/// Where the ground is damped the check stays elastic, and tells the error with damping beside.
+#[test]
+fn damping_is_told_beside() {
+    let elastic = free_field(&scene(12, &SIDES));
+    assert_eq!(elastic.damped, None);
+    let (mesh, wave) = cube(12);
+    let rayleigh = Rayleigh::from_ratio(0.05, 1.0, 10.0).unwrap();
+    let scatterer = Vec3::new(150.0, 150.0, -100.0);
+    let damped = Scene::new("damped", mesh)
+        .part(rock().damping(rayleigh))
+        .field(wave)
+        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(scatterer))
+        .duration(1.5);
+    let damped = free_field(&damped);
+    assert_eq!(damped.points, elastic.points);
+    let with = &damped.damped.unwrap()[0];
+    assert!(with.velocity > 2.0 * elastic.points[0].velocity, "{with:?}");
+    assert!(with.velocity < 0.5);
+}
+
+/// What a run would write and hold stays a number, and grows with what is asked of it only as far
+/// as there are steps.
+#[test]
+fn costs_of_any_plan_are_numbers() {
+    let cost = |every: f64, snapshots: f64| {
+        let mut plan =
+            OutputPlan::default().history("top", Vec3::new(150.0, 150.0, 0.0), Motion::ALL);
+        plan.every = every;
+        plan.snapshots = Some(SnapshotWish {
+            fields: Default::default(),
+            every: snapshots,
+        });
+        check(scene(4, &SIDES).output(plan)).unwrap().cost
+    };
+    let (each, tiny) = (cost(1e-9, 0.1), cost(f64::MIN_POSITIVE, 0.1));
+    assert_eq!((each.output, each.memory), (tiny.output, tiny.memory));
+    assert!(each.output > cost(0.1, 0.1).output);
+    // One row of ten numbers a step, in the table and its plot.
+    let rows = each.steps * 10 * 40;
+    assert!(each.output < rows + cost(0.1, 0.1).output, "{each:?}");
 }
 
 /// Doubts are told: long elements, damping before an absorbing face, motion that is too fast for

@@ -285,6 +285,27 @@ impl Scene {
         self
     }
 
+    /// Sets the largest permitted error of the free field, which the command `powerhouse run` checks
+    /// before it runs a scene.
+    #[must_use]
+    pub fn require_free_field(mut self, error: f64) -> Self {
+        self.self_check = Some(error);
+        self
+    }
+    /// Adds a record, so that checks look at what it asks of the mesh; a field is made of it
+    /// separately.
+    #[must_use]
+    pub fn record(mut self, name: impl Into<String>, history: TimeHistory) -> Self {
+        self.records.insert(name.into(), history);
+        self
+    }
+    /// Sets the folder for the files of a run.
+    #[must_use]
+    pub fn directory(mut self, path: impl Into<PathBuf>) -> Self {
+        self.directory = Some(path.into());
+        self
+    }
+
     /// The title.
     pub fn title(&self) -> &str {
         &self.title
@@ -320,6 +341,25 @@ impl Scene {
     /// How the body moves then.
     pub fn initial_motion(&self) -> InitialMotion {
         self.initial
+    }
+    /// The number format.
+    pub fn number_format(&self) -> Precision {
+        self.precision
+    }
+    /// Nodes that are held.
+    pub fn supports(&self) -> &[Support] {
+        &self.supports
+    }
+    /// Nodes that move as one.
+    pub fn periodic_pairs(&self) -> &[PeriodicPairs] {
+        &self.periodic
+    }
+    /// Whether a field, a load, a weight or a prescribed motion acts on it.
+    pub fn is_driven(&self) -> bool {
+        self.field.is_some()
+            || !self.loads.is_empty()
+            || !self.weights.is_empty()
+            || !self.prescribed.is_empty()
     }
     /// What is recorded.
     pub fn output_plan(&self) -> &OutputPlan {

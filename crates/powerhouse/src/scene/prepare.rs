@@ -36,6 +36,7 @@ impl Scene {
                 1.0,
             )?;
         }
+        self.mesh.check()?;
         let owner = self.part_of_elements()?;
         let scatterer = self.scatterer()?;
         let mut builder = Model::builder(&self.mesh);

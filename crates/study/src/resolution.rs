@@ -1,0 +1,152 @@
+//! What elements carry, and what comes in.
+
+use powerhouse::model::{FieldMotion, Mesh, Vec3};
+use powerhouse::wavefield::TimeHistory;
+use powerhouse::{Error, Scene};
+
+use crate::{StudyError, Warning};
+
+/// Elements per wavelength that a mesh should have for waves to travel without visible dispersion.
+const PER_WAVELENGTH: f64 = 10.0;
+/// A warning is due if more than this share of a motion's energy lies above what a set carries.
+const LOST_SHARE: f64 = 0.01;
+/// Instants at which the incoming motion is looked at.
+const INSTANTS: usize = 16_384;
+/// The last of them over which the motion is let fade, since it may go on after the run.
+const FADING: usize = INSTANTS / 20;
+
+/// The highest frequency that a part carries, with ten elements per wavelength of shear waves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resolution {
+    /// The part's set.
+    pub set: String,
+    /// Speed of shear waves (m/s).
+    pub s_speed: f64,
+    /// Longest edge (m).
+    pub longest_edge: f64,
+    /// `s_speed / (10 longest_edge)` (Hz).
+    pub frequency: f64,
+}
+
+/// What each part carries.
+pub(crate) fn resolution(scene: &Scene) -> Result<Vec<Resolution>, StudyError> {
+    let mesh = scene.mesh();
+    scene
+        .parts()
+        .iter()
+        .map(|part| {
+            let longest_edge = longest_edge_of(mesh, &part.set)?;
+            let s_speed = part.material.medium().s_speed();
+            Ok(Resolution {
+                set: part.set.clone(),
+                s_speed,
+                longest_edge,
+                frequency: s_speed / (PER_WAVELENGTH * longest_edge),
+            })
+        })
+        .collect()
+}
+
+/// The longest edge in an element set (m).
+pub(crate) fn longest_edge_of(mesh: &Mesh, set: &str) -> Result<f64, StudyError> {
+    let elements = mesh.element_set(set).map_err(Error::from)?;
+    let edges = elements.iter().map(|&e| longest_edge(mesh, e));
+    Ok(edges.fold(0.0, f64::max))
+}
+
+/// The longest edge of an element (m).
+fn longest_edge(mesh: &Mesh, element: u32) -> f64 {
+    let nodes = mesh.nodes_of(element);
+    let at = |i: u8| mesh.positions()[nodes[i as usize] as usize];
+    let sides = mesh.kind(element).sides();
+    let edges = sides.iter().flat_map(|side| {
+        (0..side.len()).map(|i| (at(side[i]) - at(side[(i + 1) % side.len()])).norm())
+    });
+    edges.fold(0.0, f64::max)
+}
+
+/// Energy of acceleration against frequency (Hz).
+type Spectrum = Vec<(f64, f64)>;
+
+/// The incoming motion and the records, if parts cannot carry all of them; a field that brings no
+/// motion in the time of the run.
+pub(crate) fn doubts(scene: &Scene, resolution: &[Resolution]) -> Result<Vec<Warning>, StudyError> {
+    let mut motions: Vec<(String, Spectrum)> = Vec::new();
+    let mut warnings = Vec::new();
+    if let Some(spectrum) = incoming(scene)? {
+        if spectrum.iter().all(|(_, energy)| *energy == 0.0) {
+            let duration = scene.run_duration();
+            warnings.push(Warning::StillField { duration });
+        }
+        motions.push(("the incoming motion".into(), spectrum));
+    } else {
+        for (name, history) in scene.records() {
+            let mut spectrum = Vec::new();
+            add(&mut spectrum, history);
+            motions.push((format!("record '{name}'"), spectrum));
+        }
+    }
+    for (motion, spectrum) in motions {
+        let energy_from = |from: f64| -> f64 {
+            let lines = spectrum.iter().filter(|(frequency, _)| *frequency >= from);
+            lines.map(|(_, energy)| energy).sum()
+        };
+        let whole = energy_from(0.0);
+        for part in resolution.iter().filter(|_| whole > 0.0) {
+            let share = energy_from(part.frequency) / whole;
+            if share > LOST_SHARE {
+                warnings.push(Warning::Unresolved {
+                    motion: motion.clone(),
+                    set: part.set.clone(),
+                    share,
+                    frequency: part.frequency,
+                });
+            }
+        }
+    }
+    Ok(warnings)
+}
+
+/// The spectrum of the field's motion in the middle of the mesh's top, if there is a field.
+fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
+    let Some(field) = scene.incident_field() else {
+        return Ok(None);
+    };
+    let (low, high) = scene.mesh().bounding_box();
+    let middle = (low + high) / 2.0;
+    let sampler = field
+        .prepare(&[Vec3::new(middle.x, middle.y, high.z)])
+        .map_err(Error::from)?;
+    let interval = scene.run_duration() / INSTANTS as f64;
+    let velocities: Vec<Vec3> = (0..=INSTANTS)
+        .map(|instant| {
+            let mut motion = [FieldMotion::default()];
+            let time = scene.start_time() + instant as f64 * interval;
+            sampler.add_motion(time, &mut motion);
+            motion[0].velocity
+        })
+        .collect();
+    let mut spectrum = Vec::new();
+    for axis in 0..3 {
+        let accelerations = velocities.windows(2).enumerate().map(|(instant, pair)| {
+            let left = (INSTANTS - instant) as f64 / FADING as f64;
+            left.min(1.0) * (pair[1][axis] - pair[0][axis]) / interval
+        });
+        let history = TimeHistory::new(interval, accelerations.collect());
+        let history =
+            history.map_err(|error| Error::from(powerhouse::model::ModelError::from(error)))?;
+        add(&mut spectrum, &history);
+    }
+    Ok(Some(spectrum))
+}
+
+/// Adds the energy of a history's acceleration to a spectrum.
+fn add(spectrum: &mut Spectrum, history: &TimeHistory) {
+    let lines = history.fourier_spectrum();
+    if spectrum.is_empty() {
+        spectrum.extend(lines.iter().map(|line| (line.frequency, 0.0)));
+    }
+    for (sum, line) in spectrum.iter_mut().zip(lines) {
+        sum.1 += line.amplitude * line.amplitude;
+    }
+}
