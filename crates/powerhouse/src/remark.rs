@@ -64,6 +64,11 @@ pub enum Remark {
         /// Where it was taken to be (m).
         position: Vec3,
     },
+    /// A record that drives nothing.
+    UnusedRecord {
+        /// Its name in the scene.
+        name: String,
+    },
     /// A damped part touches an absorbing face, behind which the free field is elastic.
     DampedRim {
         /// The part's set.
@@ -76,6 +81,7 @@ impl Remark {
     pub fn is_warning(&self) -> bool {
         match self {
             Self::DampedRim { .. }
+            | Self::UnusedRecord { .. }
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
             | Self::LoadedSurface { .. } => true,
@@ -169,6 +175,12 @@ impl fmt::Display for Remark {
                 "springs take their distance from ({:.3}, {:.3}, {:.3}) m, the middle of the parts that touch no absorbing face",
                 position.x, position.y, position.z
             ),
+            Self::UnusedRecord { name } => {
+                write!(
+                    f,
+                    "record '{name}' drives neither a wave nor a prescribed motion"
+                )
+            }
             Self::DampedRim { set } => write!(
                 f,
                 "part '{set}' is damped and touches an absorbing face: the free field is elastic, so its waves are reflected there in part; leave an undamped rim"

@@ -341,11 +341,21 @@ fn a_check_warns() {
         "kernel = \"hex8-one-point\"",
         "damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 10] }",
     );
-    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    let scene = Scene::from_toml(text.as_str(), path, &Registry::default()).unwrap();
     let warnings = check(scene).unwrap().warnings;
     assert!(warnings.iter().any(
         |warning| matches!(warning, Warning::Remark(Remark::DampedRim { set }) if set == "rock")
     ));
+    let unused = Remark::UnusedRecord {
+        name: "el-centro-ns".into(),
+    };
+    assert!(!warnings.contains(&Warning::Remark(unused.clone())));
+    let text = text.replace(
+        "record = \"el-centro-ns\"",
+        "pulse = { kind = \"smooth\", displacement = 0.01, duration = 1 }",
+    );
+    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    assert!(scene.remarks().contains(&unused));
     // The coarse mesh carries 8 Hz, the record has more.
     assert!(warnings.iter().any(
         |warning| matches!(warning, Warning::Unresolved { set, frequency, .. }

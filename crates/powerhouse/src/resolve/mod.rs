@@ -98,6 +98,7 @@ pub(crate) fn compose(
             });
         }
     }
+    scene.remarks.extend(unused_records(file));
     scene.field = ground::field(file, &mut scene, &records)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
         return Err(Fault::refused(file.time.initial.span(), Error::NoField));
@@ -110,6 +111,27 @@ pub(crate) fn compose(
     let sections = sections.map(|section| (section.name.to_string(), section.at.span()));
     scene.places.cuts = sections.collect();
     Ok(scene)
+}
+
+/// Records, or all components of one, that neither a wave nor a prescribed motion names.
+fn unused_records(file: &SceneFile) -> Vec<Remark> {
+    let of_waves = file.waves.iter().filter_map(|wave| wave.record.as_ref());
+    let of_supports = file.supports.iter().filter_map(|support| match &**support {
+        format::Support::Prescribed { record, .. } => record.as_ref(),
+        _ => None,
+    });
+    let used: Vec<&At<String>> = of_waves.chain(of_supports).collect();
+    let is_unused = |name: &str| {
+        let component = format!("{name}.");
+        !used
+            .iter()
+            .any(|used| used.as_str() == name || used.starts_with(&component))
+    };
+    let records = file.records.iter().map(|record| record.name.to_string());
+    records
+        .filter(|name| is_unused(name))
+        .map(|name| Remark::UnusedRecord { name })
+        .collect()
 }
 
 fn materials(file: &SceneFile, registry: &Registry) -> Result<BTreeMap<String, Material>, Fault> {
