@@ -20,6 +20,7 @@
 //! *Moduli are computed once*, when the law is made: a law is called for every element and step,
 //! and two divisions per call would cost more than Hooke's law itself.
 
+mod drucker_prager;
 mod elasto_plastic;
 mod error;
 mod linear_elastic;
@@ -29,6 +30,7 @@ pub mod presets;
 mod principal;
 mod surface;
 
+pub use drucker_prager::{ConeFit, DruckerPrager, DruckerPragerParameters};
 pub use elasto_plastic::ElastoPlastic;
 pub use error::MaterialError;
 pub use linear_elastic::LinearElastic;

@@ -1,6 +1,9 @@
 //! Many points at once against one at a time.
 
-use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, MohrCoulombParameters, presets};
+use powerhouse_material_damage::{
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, MohrCoulomb,
+    MohrCoulombParameters, presets,
+};
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 
 use crate::packs::Pack;
@@ -79,4 +82,19 @@ fn mohr_coulomb_is_the_same_wide_and_scalar() {
         same_bits::<f64, _>(&law, 1.0e-3);
         same_bits::<f32, _>(&law, 1.0e-3);
     }
+}
+
+/// Drucker-Prager: many points at once are the same bits as one at a time, in both precisions.
+#[test]
+fn drucker_prager_is_the_same_wide_and_scalar() {
+    let p = DruckerPragerParameters {
+        medium: presets::PAPER_ROCK.medium,
+        friction: 42.0,
+        dilation: 10.0,
+        cohesion: 1.05e6,
+        fit: ConeFit::Inscribed,
+    };
+    let law = ElastoPlastic::new(DruckerPrager::new(p).unwrap());
+    same_bits::<f64, _>(&law, 1.0e-3);
+    same_bits::<f32, _>(&law, 1.0e-3);
 }

@@ -1,5 +1,6 @@
 //! The laws of the crate, one point at a time.
 
+mod drucker_prager;
 mod lanes;
 mod mohr_coulomb;
 mod packs;

@@ -1,0 +1,204 @@
+//! The cone of Drucker and Prager.
+
+use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
+
+use crate::MaterialError;
+use crate::surface::{PrincipalReturn, YieldState, YieldSurface, mean_and_shear, pick};
+
+/// To which stresses of Mohr and Coulomb the cone is fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConeFit {
+    /// Touches all six faces from within: `a = sin / sqrt(9 + 3 sin^2)`, `k = 3 c cos / sqrt(9 +
+    /// 3 sin^2)`.
+    Inscribed,
+    /// Through the edges of triaxial compression: `a = 2 sin / (sqrt 3 (3 - sin))`, `k = 6 c cos /
+    /// (sqrt 3 (3 - sin))`. Too strong elsewhere, in extension most of all.
+    Circumscribed,
+    /// Fails in plane strain where Mohr-Coulomb does, whatever the dilation: with `b` of the flow,
+    /// `a = (sin / 3) / w`, `k = c cos / w`, `w = sqrt(1 - 3 b^2) + b sin`. Associated, it is the
+    /// inscribed cone.
+    PlaneStrain,
+}
+
+/// What a [`DruckerPrager`] cone is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DruckerPragerParameters {
+    /// The elastic medium.
+    pub medium: ElasticMedium,
+    /// Friction angle of Mohr-Coulomb (degrees), 0 to 75.
+    pub friction: f64,
+    /// Dilation angle (degrees), 0 to the friction angle.
+    pub dilation: f64,
+    /// Cohesion (Pa), at least 0.
+    pub cohesion: f64,
+    /// The fit of cone and flow.
+    pub fit: ConeFit,
+}
+
+/// The cone of Drucker and Prager.
+///
+/// `F = sqrt(J2) + a I1 - k <= 0`, flow along `sqrt(J2) + b I1`
+///
+/// The return is exact: `2G`-scaled flow `g = F / (1 + 9 (K / G) a b)` lowers `sqrt(J2)` by `g`
+/// and the mean stress by `3 (K / G) b g`; where the deviator would change sign the stress comes
+/// to the apex `k / 3a`. Without friction it is the cylinder of von Mises. The coefficient `b` of
+/// the flow is the same function of the dilation as `a` of the friction (in plane strain: as in
+/// the inscribed cone, so that the dilation angle is that of plane strain).
+///
+/// Source: Drucker & Prager (1952), *Quarterly of Applied Mathematics* 10; fits: Chen & Mizuno,
+/// *Nonlinear Analysis in Soil Mechanics* (1990).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DruckerPrager {
+    parameters: DruckerPragerParameters,
+    /// `a`.
+    friction: f64,
+    /// `b`.
+    dilation: f64,
+    /// `k` (Pa).
+    strength: f64,
+    /// `K / G`.
+    stiffness_ratio: f64,
+}
+
+const ROOT_3: f64 = 1.732_050_807_568_877_2;
+
+/// Coefficient of the mean stress, and of `c cos phi`, of a cone through given edges or faces.
+fn cone(fit: ConeFit, sine: f64) -> (f64, f64) {
+    match fit {
+        ConeFit::Inscribed | ConeFit::PlaneStrain => {
+            let root = (9.0 + 3.0 * sine * sine).sqrt();
+            (sine / root, 3.0 / root)
+        }
+        ConeFit::Circumscribed => {
+            let divisor = ROOT_3 * (3.0 - sine);
+            (2.0 * sine / divisor, 6.0 / divisor)
+        }
+    }
+}
+
+impl DruckerPrager {
+    /// The cone of the parameters.
+    ///
+    /// # Errors
+    /// A parameter outside its range; a dilation above the friction.
+    pub fn new(parameters: DruckerPragerParameters) -> Result<Self, MaterialError> {
+        let DruckerPragerParameters {
+            medium,
+            friction,
+            dilation,
+            cohesion,
+            fit,
+        } = parameters;
+        ElasticMedium::new(medium.young, medium.poisson, medium.density)?;
+        ParameterError::check("friction", friction, 0.0, 75.0)?;
+        ParameterError::check("dilation", dilation, 0.0, 75.0)?;
+        ParameterError::check("cohesion", cohesion, 0.0, 1.0e12)?;
+        if dilation > friction {
+            return Err(MaterialError::Dilation { dilation, friction });
+        }
+        let (sine, cosine) = friction.to_radians().sin_cos();
+        let (flow, _) = cone(fit, dilation.to_radians().sin());
+        let (slope, share) = match fit {
+            ConeFit::PlaneStrain => {
+                let width = (1.0 - 3.0 * flow * flow).sqrt() + flow * sine;
+                (sine / (3.0 * width), 1.0 / width)
+            }
+            _ => cone(fit, sine),
+        };
+        Ok(Self {
+            parameters,
+            friction: slope,
+            dilation: flow,
+            strength: share * cohesion * cosine,
+            stiffness_ratio: medium.bulk() / medium.shear(),
+        })
+    }
+
+    /// What the cone was made of.
+    pub fn parameters(&self) -> &DruckerPragerParameters {
+        &self.parameters
+    }
+
+    /// The coefficients `a`, `b` and `k` (Pa).
+    pub fn coefficients(&self) -> [f64; 3] {
+        [self.friction, self.dilation, self.strength]
+    }
+
+    /// The mean stress at the apex, `k / 3a` (Pa); infinite without friction.
+    pub fn apex(&self) -> f64 {
+        self.strength / (3.0 * self.friction)
+    }
+
+    /// The yield function of mean stress and `sqrt(J2)` (Pa).
+    #[inline(always)]
+    fn yield_function<L: Lane>(&self, mean: L, shear: L) -> L {
+        let slope = mean.constant(3.0 * self.friction);
+        slope.mul_add(mean, shear - mean.constant(self.strength))
+    }
+}
+
+/// Mean and `sqrt(J2)` of principal stresses.
+#[inline(always)]
+fn invariants<L: Lane>(&[s1, s2, s3]: &[L; 3]) -> (L, L) {
+    let zero = s1.constant(0.0);
+    mean_and_shear(&Stress([s1, s2, s3, zero, zero, zero]))
+}
+
+impl YieldSurface for DruckerPrager {
+    fn name(&self) -> &str {
+        "drucker-prager"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.parameters.medium
+    }
+    #[inline(always)]
+    fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
+        let (mean, shear) = mean_and_shear(stress);
+        self.yield_function(mean, shear)
+    }
+    #[inline(always)]
+    fn excess<L: Lane>(&self, principal: &[L; 3]) -> L {
+        let (mean, shear) = invariants(principal);
+        self.yield_function(mean, shear)
+    }
+    #[inline(always)]
+    fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L> {
+        let (mean, shear) = invariants(trial);
+        let number = |value: f64| mean.constant(value);
+        let ratio = self.stiffness_ratio;
+        let hardness = 1.0 + 9.0 * ratio * self.friction * self.dilation;
+        let flow = self.yield_function(mean, shear) * number(1.0 / hardness);
+        let returned = mean - number(3.0 * ratio * self.dilation) * flow;
+        // On the cone exactly, whatever the rounding of the mean.
+        let radius = number(self.strength) - number(3.0 * self.friction) * returned;
+        let zero = number(0.0);
+        let to_apex = shear.less(flow);
+        let divisor = shear.select(zero.less(shear), number(1.0));
+        let scale = radius.max(zero) / divisor;
+        let on_cone = trial.map(|s| (s - mean).mul_add(scale, returned));
+        let apex = if self.friction > 0.0 {
+            self.apex()
+        } else {
+            0.0
+        };
+        PrincipalReturn {
+            stress: pick(to_apex, &[number(apex); 3], &on_cone),
+            state: number(YieldState::Tension.number())
+                .select(to_apex, number(YieldState::Shear.number())),
+        }
+    }
+    fn uniaxial_tension(&self) -> f64 {
+        self.strength / (self.friction + 1.0 / ROOT_3)
+    }
+    fn uniaxial_compression(&self) -> f64 {
+        self.strength / (1.0 / ROOT_3 - self.friction)
+    }
+    fn flow_in_uniaxial_tension(&self) -> [f64; 3] {
+        let lateral = (self.dilation - 0.5 / ROOT_3) / (self.dilation + 1.0 / ROOT_3);
+        [1.0, lateral, lateral]
+    }
+    fn flow_in_uniaxial_compression(&self) -> [f64; 3] {
+        let lateral = (self.dilation + 0.5 / ROOT_3) / (1.0 / ROOT_3 - self.dilation);
+        [lateral, lateral, -1.0]
+    }
+}
