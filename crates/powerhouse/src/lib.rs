@@ -26,6 +26,11 @@
 //! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are
 //! registered beside those that come with the software and named in scene files like them.
 //!
+//! *Guards stand where the model is built.* What surrounds a body is checked when a scene is
+//! prepared, by sampling the field at the nodes that it drives: is it at rest where the body is, of
+//! one medium, without traction where the mesh is free? So scenes from files and from Rust, and
+//! fields of one's own, are guarded alike.
+//!
 //! *A fault has a place.* Every value of a scene file keeps the bytes that it was read from, so
 //! that whatever is wrong with it, be it found by the parser, by a look into the mesh or by another
 //! crate, is shown where it stands, before any work is done.

@@ -145,7 +145,7 @@ impl fmt::Display for Remark {
             Self::QuietStart { padding, waves } => {
                 write!(
                     f,
-                    "all waves arrive {padding:.3} s later so that the body may start at rest"
+                    "all waves arrive {padding:.3} s later so that the body may start at rest, the duration stays"
                 )?;
                 for (wave, start) in waves {
                     write!(

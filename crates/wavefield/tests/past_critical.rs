@@ -41,6 +41,36 @@ fn analytic(signal: &dyn Signal, time: f64, height: f64) -> [Complex; 2] {
     sum
 }
 
+/// A wave that comes later is the same wave at an earlier time, and keeps the taper that lets it
+/// start quietly.
+#[test]
+fn a_later_wave_is_the_same_wave() {
+    let pulse: Arc<dyn Signal> = Arc::new(ZeroMeanPulse::new(0.01, 0.4).unwrap());
+    let points = [
+        Vec3::new(-80.0, 30.0, -150.0),
+        Vec3::new(80.0, -30.0, SURFACE),
+    ];
+    let limits = QuietStartLimits::default();
+    for degrees in [20.0, 42.0] {
+        let field = wave(WaveKind::SV, POISSON, degrees, 15.0, pulse.clone());
+        let (field, _) = field.with_quiet_start(&points, 0.0, &limits).unwrap();
+        let later = field.later(0.7);
+        assert_eq!(later.parameters().arrival, field.parameters().arrival + 0.7);
+        for point in points {
+            for time in [0.2, 0.6, 1.1] {
+                let (now, then) = (
+                    motion(&field, point, time),
+                    motion(&later, point, time + 0.7),
+                );
+                let apart = (now.displacement - then.displacement).norm();
+                assert!(apart < 1e-12, "{degrees} degrees, {time} s: {apart}");
+            }
+        }
+        let level = later.start_level(&points, 0.0).unwrap().largest();
+        assert!(level < limits.threshold, "{level}");
+    }
+}
+
 /// Displacement and velocity by the formulas, with nothing of the tables.
 fn oracle(field: &PlaneWave, signal: &dyn Signal, point: Vec3, time: f64) -> [Vec3; 2] {
     let parameters = field.parameters();

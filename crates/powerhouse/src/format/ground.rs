@@ -193,7 +193,8 @@ pub struct Ground {
     /// Half-space under a free surface, or full space.
     #[serde(default)]
     pub space: Space,
-    /// Height of the free surface (m), the top of the mesh by default.
+    /// Height of the free surface (m), the top of the mesh by default. A mesh whose top at the
+    /// absorbing faces lies elsewhere is warned of.
     pub surface: Option<At<Finite>>,
 }
 
@@ -225,7 +226,9 @@ pub struct Wave {
     pub component: Option<At<Component>>,
     /// A test pulse.
     pub pulse: Option<At<Pulse>>,
-    /// When the record's t = 0 arrives at the reference point (s), 0 by default.
+    /// When the record's t = 0 arrives at the reference point (s), 0 by default. If a body at rest
+    /// must wait for the field of one wave (past the critical angle, behind a filter's lead, within
+    /// the ground), all waves come later by the same time, and the run says so.
     pub arrival: Option<At<Finite>>,
     /// The point where it arrives then (m). By default the corner of the mesh's box that the wave
     /// hits first.

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::{At, Finite, Function, Positive};
 
-/// A support. Sets are facet or node sets of the mesh.
+/// A support. Sets are node, facet or element sets of the mesh.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -19,8 +19,8 @@ pub enum Support {
     Roller {
         /// The set.
         set: At<String>,
-        /// The direction that is held, of any length; by default the mean outward normal of a
-        /// facet set.
+        /// The direction that is held, of any length; by default the normal of a
+        /// plane facet set.
         normal: Option<At<[Finite; 3]>>,
     },
     /// Two opposite faces that move alike, as in a slice of a long tunnel.
