@@ -46,7 +46,7 @@ const HISTORY: [HistoryVariable; 8] = {
 /// last step. An initial stress outside the surface flows back at the first step.
 ///
 /// A strain that is not finite, or whose stress is beyond the range of numbers, gives a stress
-/// that is not finite, which the engine refuses.
+/// that is not finite, which the engine and the [driver](crate::PointDriver) refuse.
 ///
 /// ```
 /// use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};

@@ -18,4 +18,32 @@ pub enum MaterialError {
         /// Friction angle (degrees).
         friction: f64,
     },
+    /// An element so wide that its elastic energy at the peak exceeds what the crack may take.
+    #[error("an element of {size} m snaps back: at most {largest} m dissipate the fracture energy")]
+    SnapBack {
+        /// The width normal to the crack (m).
+        size: f64,
+        /// The largest permitted width (m).
+        largest: f64,
+    },
+    /// A strain or a stress that is not finite.
+    #[error("step {step}: the {what} is not finite")]
+    NotFinite {
+        /// The step of the path, from 0.
+        step: usize,
+        /// Strain or stress.
+        what: &'static str,
+    },
+    /// No strain gives the stress that the path asks for.
+    #[error(
+        "step {step}: the stress misses its target by {residual} Pa (tolerance {tolerance} Pa)"
+    )]
+    Unreachable {
+        /// The step of the path, from 0.
+        step: usize,
+        /// Largest difference (Pa).
+        residual: f64,
+        /// What was asked (Pa).
+        tolerance: f64,
+    },
 }

@@ -20,20 +20,27 @@
 //! *Moduli are computed once*, when the law is made: a law is called for every element and step,
 //! and two divisions per call would cost more than Hooke's law itself.
 
+mod driver;
 mod drucker_prager;
 mod elasto_plastic;
 mod error;
+mod exponential;
 mod linear_elastic;
 pub mod media;
 mod mohr_coulomb;
+mod plastic_damage;
 pub mod presets;
 mod principal;
+mod softening;
 mod surface;
 
+pub use driver::{Control, PointDriver, PointRecord};
 pub use drucker_prager::{ConeFit, DruckerPrager, DruckerPragerParameters};
 pub use elasto_plastic::ElastoPlastic;
 pub use error::MaterialError;
 pub use linear_elastic::LinearElastic;
 pub use mohr_coulomb::{MohrCoulomb, MohrCoulombParameters};
+pub use plastic_damage::{Dissipation, PlasticDamage, PlasticDamageParameters};
 pub use principal::PrincipalAxes;
+pub use softening::Softening;
 pub use surface::{PrincipalReturn, YieldState, YieldSurface};

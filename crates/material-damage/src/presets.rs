@@ -1,6 +1,11 @@
 //! Parameters of published materials.
 
-use crate::{MohrCoulombParameters, media};
+use powerhouse_model::{ElasticMedium, ParameterError};
+
+use crate::{
+    MaterialError, MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters,
+    Softening, media,
+};
 
 /// The rock of the paper: phi 42 degrees, c 1.05 MPa, dilation zero (the paper gives none).
 ///
@@ -32,3 +37,65 @@ pub const PAPER_CONCRETE: MohrCoulombParameters = MohrCoulombParameters {
     cohesion: 1.3e6,
     tension_strength: Some(1.27e6),
 };
+
+/// The plastic-damage concrete of the paper, C25: [`PAPER_CONCRETE`] with Eq. (25).
+///
+/// The paper gives no softening. Here cracks take 133 N/m (fib Model Code 2010: `73 f_cm^0.18`
+/// with 28 MPa), crushing takes 36 kN/m (Nakamura & Higai 2001: `8.8 sqrt(f_c)` N/mm with 16.7
+/// MPa), both thresholds are zero; closed cracks regain their stiffness, a thousandth of it is
+/// never lost.
+///
+/// # Errors
+/// None with these numbers.
+pub fn paper_concrete() -> Result<PlasticDamage<MohrCoulomb>, MaterialError> {
+    cracking(PAPER_CONCRETE, 133.0, 35.96e3)
+}
+
+/// Concrete by its characteristic cylinder strength (MPa, 12 to 50), such as 20 to 40.
+///
+/// Eurocode 2 (EN 1992-1-1:2004, Table 3.1): `f_cm = f_ck + 8`, `f_ctm = 0.3 f_ck^(2/3)`, `E_cm =
+/// 22 (f_cm / 10)^0.3` GPa, Poisson's ratio 0.2, 2500 kg/m3. Friction angle and cohesion are
+/// those of the surface through `f_cm` in uniaxial compression and `f_ctm` in uniaxial tension:
+/// `N = f_cm / f_ctm`, `c = f_cm / (2 sqrt N)`; dilation zero. Softening as in
+/// [`paper_concrete`], with `f_cm`.
+///
+/// # Errors
+/// A strength outside the range of the table.
+pub fn eurocode_concrete(strength: f64) -> Result<PlasticDamage<MohrCoulomb>, MaterialError> {
+    ParameterError::check("strength", strength, 12.0, 50.0)?;
+    let compressive = strength + 8.0;
+    let tensile = 0.3 * strength.powf(2.0 / 3.0);
+    let young = 22.0e9 * (compressive / 10.0).powf(0.3);
+    let ratio = compressive / tensile;
+    let parameters = MohrCoulombParameters {
+        medium: ElasticMedium::new(young, 0.2, 2500.0)?,
+        friction: ((ratio - 1.0) / (ratio + 1.0)).asin().to_degrees(),
+        dilation: 0.0,
+        cohesion: 0.5e6 * compressive / ratio.sqrt(),
+        tension_strength: Some(1.0e6 * tensile),
+    };
+    cracking(
+        parameters,
+        73.0 * compressive.powf(0.18),
+        8.8e3 * compressive.sqrt(),
+    )
+}
+
+/// Damage by energies of cracking and crushing (N/m).
+fn cracking(
+    parameters: MohrCoulombParameters,
+    cracking: f64,
+    crushing: f64,
+) -> Result<PlasticDamage<MohrCoulomb>, MaterialError> {
+    let by_energy = |energy| Softening::FractureEnergy {
+        energy,
+        threshold: 0.0,
+    };
+    PlasticDamage::new(PlasticDamageParameters {
+        surface: MohrCoulomb::new(parameters)?,
+        tension: by_energy(cracking),
+        compression: by_energy(crushing),
+        stiffness_recovery: 1.0,
+        residual_stiffness: 1.0e-3,
+    })
+}

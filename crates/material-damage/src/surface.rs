@@ -45,7 +45,8 @@ pub struct PrincipalReturn<L> {
 /// An isotropic perfectly plastic yield surface with its flow rule, in principal stresses.
 ///
 /// Implemented by [`MohrCoulomb`](crate::MohrCoulomb) and [`DruckerPrager`](crate::DruckerPrager);
-/// [`ElastoPlastic`](crate::ElastoPlastic) makes a law of it.
+/// [`ElastoPlastic`](crate::ElastoPlastic) and [`PlasticDamage`](crate::PlasticDamage) make laws
+/// of it.
 pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
     /// The name of the elastic-plastic law of this surface.
     fn name(&self) -> &str;

@@ -98,3 +98,12 @@ fn drucker_prager_is_the_same_wide_and_scalar() {
     same_bits::<f64, _>(&law, 1.0e-3);
     same_bits::<f32, _>(&law, 1.0e-3);
 }
+
+/// Plasticity with damage: many points at once are the same bits as one at a time, in both
+/// precisions.
+#[test]
+fn plastic_damage_is_the_same_wide_and_scalar() {
+    let law = presets::paper_concrete().unwrap();
+    same_bits::<f64, _>(&law, 3.0e-4);
+    same_bits::<f32, _>(&law, 3.0e-4);
+}

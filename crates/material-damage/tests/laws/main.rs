@@ -1,8 +1,10 @@
 //! The laws of the crate, one point at a time.
 
+mod driver;
 mod drucker_prager;
 mod lanes;
 mod mohr_coulomb;
 mod packs;
+mod plastic_damage;
 mod principal;
 mod random;

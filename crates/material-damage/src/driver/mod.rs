@@ -1,0 +1,298 @@
+//! One point of a law, led along paths of strain and stress.
+
+mod loading;
+
+use nalgebra::{DMatrix, DVector};
+use powerhouse_model::{ConstitutiveLaw, LawInput, ParameterError, Strain, Stress};
+
+use crate::MaterialError;
+
+/// The most corrections of the free strains in one step.
+const MOST_CORRECTIONS: usize = 60;
+/// The most halvings of one correction.
+const MOST_HALVINGS: usize = 12;
+/// Stresses meet their targets at least to this share of the largest stress at the point; the
+/// corrections go on as long as they gain.
+const TOLERANCE: f64 = 1.0e-9;
+/// Stiffness below this share of Young's modulus is none: the elastic one takes its place.
+const NO_STIFFNESS: f64 = 1.0e-7;
+/// Strain step of the difference quotient, as a share of the strain at which stresses are of the
+/// size of those at the point; less where less is left to correct, so that it crosses no kink.
+const DIFFERENCE: f64 = 1.0e-6;
+
+/// What is prescribed of one component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Control {
+    /// The strain; engineering strain of a shear component.
+    Strain(f64),
+    /// The total stress (Pa).
+    Stress(f64),
+}
+
+/// The state of a point at the end of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointRecord {
+    /// Total strain.
+    pub strain: Strain,
+    /// Total stress, with the initial stress (Pa).
+    pub stress: Stress,
+    /// The history, in the order of the law.
+    pub history: Vec<f64>,
+    /// Work of the stress since the start, by the trapezoidal rule (J/m3).
+    pub work: f64,
+}
+
+/// Leads one point of a law along a path, without a mesh.
+///
+/// Every component follows its strain or its stress, xx yy zz xy yz zx, independently of the
+/// others; strains that are free are found by Newton's method with difference quotients.
+/// [`Control::uniaxial`], [`Control::triaxial`], [`Control::plane_strain`],
+/// [`Control::biaxial`] and [`Control::simple_shear`] name the tests of the laboratory; one after
+/// the other they make cycles.
+///
+/// ```
+/// use powerhouse_material_damage::{Control, PointDriver, presets};
+///
+/// let concrete = presets::paper_concrete()?;
+/// let mut point = PointDriver::new(concrete).with_size(0.5)?;
+/// let pulled = point.advance(Control::uniaxial(3.0e-4), 100)?;
+/// let peak = pulled.iter().map(|r| r.stress.0[2]).fold(0.0, f64::max);
+/// assert!((0.9e6..1.01e6).contains(&peak), "the surface in force yields at {peak}");
+/// let pressed = point.advance(Control::uniaxial(-2.0e-3), 100)?;
+/// assert!(pressed[99].stress.0[2] < -5.0e6, "closed cracks bear pressure");
+/// # Ok::<(), powerhouse_material_damage::MaterialError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PointDriver<M> {
+    law: M,
+    initial: Stress,
+    size: f64,
+    steps: usize,
+    now: PointRecord,
+}
+
+impl<M: ConstitutiveLaw> PointDriver<M> {
+    /// A point without strain, initial stress or history, in an element of 1 m.
+    pub fn new(law: M) -> Self {
+        let now = PointRecord {
+            strain: Strain::default(),
+            stress: Stress::default(),
+            history: vec![0.0; law.history().len()],
+            work: 0.0,
+        };
+        Self {
+            law,
+            initial: Stress::default(),
+            size: 1.0,
+            steps: 0,
+            now,
+        }
+    }
+
+    /// The same with an initial stress at zero strain (Pa).
+    ///
+    /// # Errors
+    /// A stress that is not finite.
+    pub fn with_initial(mut self, initial: Stress) -> Result<Self, MaterialError> {
+        finite(&initial.0, "initial stress", 0)?;
+        self.initial = initial;
+        self.now.stress = initial;
+        Ok(self)
+    }
+
+    /// The same in an element of another width (m).
+    ///
+    /// # Errors
+    /// A width that is not positive.
+    pub fn with_size(mut self, size: f64) -> Result<Self, MaterialError> {
+        ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
+        self.size = size;
+        Ok(self)
+    }
+
+    /// The state now.
+    pub fn state(&self) -> &PointRecord {
+        &self.now
+    }
+
+    /// The law.
+    pub fn law(&self) -> &M {
+        &self.law
+    }
+
+    /// Leads the point in equal steps from where it is to the target and tells each step's end.
+    ///
+    /// # Errors
+    /// [`MaterialError::NotFinite`] for a target or an answer that is not finite,
+    /// [`MaterialError::Unreachable`] where no strain gives the stress (past a peak, say); the
+    /// point then stays at the step before.
+    pub fn advance(
+        &mut self,
+        target: [Control; 6],
+        steps: usize,
+    ) -> Result<Vec<PointRecord>, MaterialError> {
+        let start = self.now.clone();
+        (1..=steps)
+            .map(|step| {
+                let share = step as f64 / steps as f64;
+                let between = |from: f64, to: f64| {
+                    if step == steps {
+                        to
+                    } else {
+                        from + share * (to - from)
+                    }
+                };
+                let here = core::array::from_fn(|i| match target[i] {
+                    Control::Strain(end) => Control::Strain(between(start.strain.0[i], end)),
+                    Control::Stress(end) => Control::Stress(between(start.stress.0[i], end)),
+                });
+                self.step(here)?;
+                Ok(self.now.clone())
+            })
+            .collect()
+    }
+
+    /// Stress and history of a strain, from the history now.
+    fn respond(&self, strain: &Strain) -> Result<(Stress, Vec<f64>), MaterialError> {
+        finite(&strain.0, "strain", self.steps)?;
+        let mut history = self.now.history.clone();
+        let input = LawInput::new(*strain, &self.now.history)
+            .with_initial(self.initial)
+            .with_size(self.size);
+        let stress = self.initial + self.law.stress_change(&input, &mut history);
+        finite(&stress.0, "stress", self.steps)?;
+        finite(&history, "history", self.steps)?;
+        Ok((stress, history))
+    }
+
+    /// One step to what is prescribed.
+    fn step(&mut self, target: [Control; 6]) -> Result<(), MaterialError> {
+        let mut strain = self.now.strain;
+        let mut free = Vec::new();
+        for (i, control) in target.into_iter().enumerate() {
+            match control {
+                Control::Strain(value) => strain.0[i] = value,
+                Control::Stress(value) => {
+                    finite(&[value], "target", self.steps)?;
+                    free.push((i, value));
+                }
+            }
+        }
+        let (stress, history) = self.equilibrate(&mut strain, &free)?;
+        let moved = strain - self.now.strain;
+        let mean = (stress + self.now.stress) * 0.5;
+        self.now = PointRecord {
+            strain,
+            stress,
+            history,
+            work: self.now.work + mean.work(&moved),
+        };
+        self.steps += 1;
+        Ok(())
+    }
+
+    /// Finds the free strains whose stresses are the targets.
+    fn equilibrate(
+        &self,
+        strain: &mut Strain,
+        free: &[(usize, f64)],
+    ) -> Result<(Stress, Vec<f64>), MaterialError> {
+        let medium = self.law.medium();
+        let modulus = medium.young;
+        let rest = |stress: &Stress| {
+            DVector::from_iterator(free.len(), free.iter().map(|&(i, to)| stress.0[i] - to))
+        };
+        if free.is_empty() {
+            return self.respond(strain);
+        }
+        // The first guess is elastic.
+        let elastic = |strain: &Strain| Stress::elastic(medium.lambda(), medium.shear(), strain);
+        let moved = self.now.stress + elastic(&(*strain - self.now.strain));
+        let stiffness = DMatrix::from_fn(free.len(), free.len(), |row, column| {
+            let mut unit = Strain::default();
+            unit.0[free[column].0] = 1.0;
+            elastic(&unit).0[free[row].0]
+        });
+        correct(strain, free, 1.0, &solve(stiffness, &rest(&moved), modulus));
+
+        let mut answer = self.respond(strain)?;
+        let mut residual = rest(&answer.0);
+        let scale = self.now.stress.0.iter().chain(&answer.0.0);
+        let scale = scale.fold(0.0_f64, |most, s| most.max(s.abs()));
+        let tolerance = TOLERANCE * scale;
+        for _ in 0..MOST_CORRECTIONS {
+            if residual.amax() == 0.0 {
+                break;
+            }
+            let difference = residual
+                .amax()
+                .clamp(1.0e-4 * DIFFERENCE * scale, DIFFERENCE * scale);
+            let difference = difference / modulus;
+            let mut tangent = DMatrix::zeros(free.len(), free.len());
+            for (column, &(j, _)) in free.iter().enumerate() {
+                let mut moved = *strain;
+                // Towards the correction, so that the quotient is on the side it is used on.
+                let towards = -residual[column].signum() * difference;
+                moved.0[j] += towards;
+                let (stress, _) = self.respond(&moved)?;
+                tangent.set_column(column, &((rest(&stress) - &residual) / towards));
+            }
+            let correction = solve(tangent, &residual, modulus);
+            let mut share = 1.0;
+            let mut halvings = 0;
+            let (moved, next, remaining) = loop {
+                let mut moved = *strain;
+                correct(&mut moved, free, share, &correction);
+                let next = self.respond(&moved)?;
+                let remaining = rest(&next.0);
+                if remaining.norm() < residual.norm() || halvings == MOST_HALVINGS {
+                    break (moved, next, remaining);
+                }
+                share *= 0.5;
+                halvings += 1;
+            };
+            if residual.amax() <= tolerance && remaining.norm() >= residual.norm() {
+                break;
+            }
+            (*strain, answer, residual) = (moved, next, remaining);
+        }
+        if residual.amax() <= tolerance {
+            return Ok(answer);
+        }
+        Err(MaterialError::Unreachable {
+            step: self.steps,
+            residual: residual.amax(),
+            tolerance,
+        })
+    }
+}
+
+/// Takes a share of a correction off the free strains.
+fn correct(strain: &mut Strain, free: &[(usize, f64)], share: f64, correction: &DVector<f64>) {
+    for (row, &(i, _)) in free.iter().enumerate() {
+        strain.0[i] -= share * correction[row];
+    }
+}
+
+/// The strains of a residual stress; directions without stiffness (on an edge of a yield surface,
+/// say) are taken as elastic.
+fn solve(tangent: DMatrix<f64>, residual: &DVector<f64>, modulus: f64) -> DVector<f64> {
+    let parts = tangent.svd(true, true);
+    let (Some(left), Some(right)) = (parts.u, parts.v_t) else {
+        return residual / modulus;
+    };
+    let mut scaled = left.transpose() * residual;
+    for (entry, stiffness) in scaled.iter_mut().zip(parts.singular_values.iter()) {
+        let is_none = *stiffness < NO_STIFFNESS * modulus;
+        *entry /= if is_none { modulus } else { *stiffness };
+    }
+    right.transpose() * scaled
+}
+
+fn finite(numbers: &[f64], what: &'static str, step: usize) -> Result<(), MaterialError> {
+    if numbers.iter().all(|x| x.is_finite()) {
+        Ok(())
+    } else {
+        Err(MaterialError::NotFinite { step, what })
+    }
+}

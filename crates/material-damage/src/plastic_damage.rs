@@ -1,0 +1,289 @@
+//! Plasticity with damage: the concrete of the paper.
+
+use powerhouse_model::{
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, ParameterError, Strain, Stress,
+};
+
+use crate::elasto_plastic::PLASTIC_STRAINS;
+use crate::softening::DamageCurve;
+use crate::surface::{Flow, YieldSurface};
+use crate::{MaterialError, PrincipalAxes, Softening};
+
+/// What a [`PlasticDamage`] law is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlasticDamageParameters<S> {
+    /// The yield surface of the effective stress.
+    pub surface: S,
+    /// Damage by the opening of cracks.
+    pub tension: Softening,
+    /// Damage by crushing and shear.
+    pub compression: Softening,
+    /// The share of tensile damage that heals when cracks close, 0 to 1.
+    pub stiffness_recovery: f64,
+    /// The share of stiffness that no damage takes away, 1e-6 to 1.
+    pub residual_stiffness: f64,
+}
+
+/// Damage that makes a type.
+const COUNTS: f64 = 1.0e-3;
+
+const TENSION: usize = 6;
+const COMPRESSION: usize = 7;
+const DAMAGE_TENSION: usize = 8;
+const DAMAGE_COMPRESSION: usize = 9;
+const DAMAGE: usize = 10;
+const DAMAGE_TYPE: usize = 11;
+const YIELD_STATE: usize = 12;
+const HISTORY: [HistoryVariable; 13] = {
+    const fn number(name: &'static str) -> HistoryVariable {
+        HistoryVariable { name, unit: "1" }
+    }
+    let [xx, yy, zz, xy, yz, zx] = PLASTIC_STRAINS;
+    [
+        xx,
+        yy,
+        zz,
+        xy,
+        yz,
+        zx,
+        number("equivalent_plastic_strain_tension"),
+        number("equivalent_plastic_strain_compression"),
+        number("damage_tension"),
+        number("damage_compression"),
+        number("damage"),
+        number("damage_type"),
+        number("yield_state"),
+    ]
+};
+
+/// Perfect plasticity of the effective stress, and scalar damage driven by the plastic strain.
+///
+/// `sigma = (1 - D) s`, `s = sigma0 + C (epsilon - epsilon_p)` returned to the yield surface
+///
+/// `D = 1 - (1 - d_c)(1 - k d_t)`, `k = 1 - w (1 - r)`, `r = sum <s_i> / sum |s_i|`
+///
+/// `d_t` and `d_c` grow by [`Softening`] with `e_t`, the sum of the positive principal increments
+/// of plastic strain, and `e_c`, the sum of the negative ones times `1 - r`. The paper's
+/// coefficient `k` of stiffness restitution thus is 1 in tension and `1 - w` in compression, with
+/// `w` the [`stiffness_recovery`](PlasticDamageParameters::stiffness_recovery) (`r` after Lee &
+/// Fenves 1998).
+///
+/// # History
+/// Plastic strain (six components, engineering shears), `e_t`, `e_c`, `d_t`, `d_c`, `D`, the
+/// damage type (0 none, 1 tension, 2 shear or compression, 3 both; of `d_t` and `d_c` above a
+/// thousandth) and the
+/// [`YieldState`](crate::YieldState) of the last step.
+///
+/// # Valid range
+/// `D` stays below one by the residual stiffness. Softening by fracture energy permits elements
+/// up to [`largest_size`](Self::largest_size): make sure of it by [`check_size`](Self::check_size);
+/// in larger ones damage comes at once. A strain that is not finite gives a stress that is not
+/// finite. When cracks close, `D` may fall: see [`dissipation`](Self::dissipation).
+///
+/// # Why so
+/// *Contraction beside an opening crack crushes nothing.* A surface with dilation contracts
+/// sideways as it yields in tension: taken whole, these increments would add compressive damage to
+/// a crack and spoil its fracture energy. The factor `1 - r` is zero in tension and leaves
+/// compression as it is.
+///
+/// Source: Wang, Chen & Xiao (2019), Eq. (25).
+///
+/// ```
+/// use powerhouse_material_damage::presets;
+/// use powerhouse_model::{ConstitutiveLaw, LawInput, Strain};
+///
+/// let concrete = presets::paper_concrete()?;
+/// concrete.check_size(0.5)?;
+/// let strain = Strain([4.0e-4, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// let (old, mut new) = ([0.0; 13], [0.0; 13]);
+/// concrete.stress_change(&LawInput::new(strain, &old).with_size(0.5), &mut new);
+/// assert!(new[8] > 0.5, "the point has cracked: d_t = {}", new[8]);
+/// # Ok::<(), powerhouse_material_damage::MaterialError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlasticDamage<S> {
+    parameters: PlasticDamageParameters<S>,
+    tension: DamageCurve,
+    compression: DamageCurve,
+    lambda: f64,
+    shear: f64,
+}
+
+/// What a step took out of a volume (J/m3).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dissipation {
+    /// By plastic flow, `(1 - D) s : de_p` at the end of the step.
+    pub plastic: f64,
+    /// By growing damage, `psi dD` with the elastic energy `psi` of the effective stress.
+    pub damage: f64,
+    /// Given back where `D` falls, not negative: the energy of stiffness that cracks regain as
+    /// they close.
+    pub recovered: f64,
+}
+
+impl<S: YieldSurface> PlasticDamage<S> {
+    /// The law of the parameters.
+    ///
+    /// # Errors
+    /// A parameter outside its range.
+    pub fn new(parameters: PlasticDamageParameters<S>) -> Result<Self, MaterialError> {
+        let PlasticDamageParameters {
+            surface,
+            tension,
+            compression,
+            stiffness_recovery,
+            residual_stiffness,
+        } = &parameters;
+        ParameterError::check("stiffness_recovery", *stiffness_recovery, 0.0, 1.0)?;
+        ParameterError::check("residual_stiffness", *residual_stiffness, 1.0e-6, 1.0)?;
+        let medium = surface.medium();
+        let sum = |flow: [f64; 3], sign: f64| flow.iter().map(|e| (sign * e).max(0.0)).sum();
+        let opening = sum(surface.flow_in_uniaxial_tension(), 1.0);
+        let closing = sum(surface.flow_in_uniaxial_compression(), -1.0);
+        let [pulled, pressed] = [surface.uniaxial_tension(), surface.uniaxial_compression()];
+        Ok(Self {
+            tension: DamageCurve::new(*tension, pulled, medium.young, opening)?,
+            compression: DamageCurve::new(*compression, pressed, medium.young, closing)?,
+            lambda: medium.lambda(),
+            shear: medium.shear(),
+            parameters,
+        })
+    }
+
+    /// What the law was made of.
+    pub fn parameters(&self) -> &PlasticDamageParameters<S> {
+        &self.parameters
+    }
+
+    /// The largest width of an element that dissipates its fracture energy without snapping back
+    /// (m); none if no softening is by energy.
+    pub fn largest_size(&self) -> Option<f64> {
+        let sizes = [self.tension.largest_size(), self.compression.largest_size()];
+        sizes.into_iter().flatten().reduce(f64::min)
+    }
+
+    /// Refuses an element whose width normal to a crack (m) is too large.
+    ///
+    /// # Errors
+    /// [`MaterialError::SnapBack`] names the largest permitted width.
+    pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
+        ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
+        match self.largest_size() {
+            Some(largest) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The effective stress (Pa) of a strain, an initial stress and a history.
+    fn effective(&self, input: &LawInput<f64>, history: &[f64]) -> Stress {
+        let elastic = Strain(core::array::from_fn(|i| input.strain.0[i] - history[i]));
+        input.initial + Stress::elastic(self.lambda, self.shear, &elastic)
+    }
+
+    /// Elastic energy of an effective stress (J/m3).
+    fn elastic_energy(&self, stress: &Stress) -> f64 {
+        let (mean, shear) = crate::surface::mean_and_shear(stress);
+        let medium = self.medium();
+        0.5 * (mean * mean / medium.bulk() + shear * shear / medium.shear())
+    }
+
+    /// What the step to `input` and `new_history` dissipated.
+    pub fn dissipation(&self, input: &LawInput<f64>, new_history: &[f64]) -> Dissipation {
+        let old = input.history;
+        let effective = self.effective(input, new_history);
+        let flowed = Strain(core::array::from_fn(|i| new_history[i] - old[i]));
+        let grown = self.elastic_energy(&effective) * (new_history[DAMAGE] - old[DAMAGE]);
+        Dissipation {
+            plastic: (1.0 - new_history[DAMAGE]) * effective.work(&flowed),
+            damage: grown.max(0.0),
+            recovered: (-grown).max(0.0),
+        }
+    }
+}
+
+/// The share of tension in principal stresses, `sum <s_i> / sum |s_i|`; one without stress.
+#[inline(always)]
+fn share_of_tension<L: Lane>(stress: &[L; 3]) -> L {
+    let zero = stress[0].constant(0.0);
+    let one = stress[0].constant(1.0);
+    let [a, b, c] = stress.map(|s| s.abs());
+    let all = a + b + c;
+    let [a, b, c] = stress.map(|s| s.max(zero));
+    let some = zero.less(all);
+    ((a + b + c) / all.select(some, one)).select(some, one)
+}
+
+/// The sum of the positive numbers.
+#[inline(always)]
+fn positive<L: Lane>(numbers: [L; 3]) -> L {
+    let zero = numbers[0].constant(0.0);
+    let [a, b, c] = numbers.map(|x| x.max(zero));
+    a + b + c
+}
+
+impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
+    fn name(&self) -> &str {
+        "plastic-damage"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.parameters.surface.medium()
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &HISTORY
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        let old = input.history;
+        let first = input.strain.0[0];
+        let number = |value: f64| first.constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        let elastic = Strain(core::array::from_fn(|i| input.strain.0[i] - old[i]));
+        let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
+        let trial = input.initial + change;
+        new_history.copy_from_slice(old);
+        new_history[YIELD_STATE] = zero;
+
+        let mut tension = one;
+        if let Some(flow) = Flow::back(&self.parameters.surface, &trial) {
+            tension = share_of_tension(&flow.stress);
+            let plastic = flow.plastic_strain();
+            for i in 0..6 {
+                new_history[i] = old[i] + plastic[i];
+            }
+            let opened = old[TENSION] + positive(flow.plastic);
+            let crushed = (one - tension) * positive(flow.plastic.map(|e| -e));
+            let crushed = old[COMPRESSION] + crushed;
+            let most = 1.0 - self.parameters.residual_stiffness;
+            let torn = self.tension.damage(opened, input.size, most);
+            let broken = self.compression.damage(crushed, input.size, most);
+            for (variable, value) in [
+                (TENSION, opened),
+                (COMPRESSION, crushed),
+                (DAMAGE_TENSION, torn.max(old[DAMAGE_TENSION])),
+                (DAMAGE_COMPRESSION, broken.max(old[DAMAGE_COMPRESSION])),
+            ] {
+                new_history[variable] = value.select(flow.yielded, old[variable]);
+            }
+            new_history[YIELD_STATE] = flow.state;
+            change = flow.stress_change(&change, &input.initial);
+        } else if self.parameters.stiffness_recovery > 0.0
+            && first.any(zero.less(old[DAMAGE_TENSION]))
+        {
+            tension = share_of_tension(&PrincipalAxes::of(&trial).values);
+        }
+
+        let (torn, broken) = (new_history[DAMAGE_TENSION], new_history[DAMAGE_COMPRESSION]);
+        let closed = number(self.parameters.stiffness_recovery) * (one - tension);
+        let left = (one - broken) * (one - (one - closed) * torn);
+        let left = left.max(number(self.parameters.residual_stiffness));
+        let damage = one - left;
+        new_history[DAMAGE] = damage;
+        let counts = number(COUNTS);
+        let is_torn = one.select(counts.less(torn), zero);
+        let is_broken = (one + one).select(counts.less(broken), zero);
+        new_history[DAMAGE_TYPE] = is_torn + is_broken;
+        Stress(core::array::from_fn(|i| {
+            left * change.0[i] - damage * input.initial.0[i]
+        }))
+    }
+}

@@ -1,0 +1,140 @@
+//! How damage grows, and the regularisation by the width of a crack band.
+
+use powerhouse_model::{Lane, ParameterError};
+
+use crate::MaterialError;
+use crate::exponential::decay;
+
+/// The least inverse of a softening rate: what an element of a size that is not permitted gets.
+const STEEPEST: f64 = 1.0e-12;
+
+/// How damage of one kind, tensile or compressive, grows with its equivalent plastic strain `e`.
+///
+/// `d = 1 - (1 - A) e0 / e - A exp(-B (e - e0))` beyond the threshold `e0`, zero before
+///
+/// Source: Wang, Chen & Xiao (2019), Eq. (25), after Mazars (1986).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Softening {
+    /// No damage of this kind.
+    None,
+    /// A crack band that takes the same energy whatever its width `h`: `A = 1` and
+    ///
+    /// `B = 1 / (q (G / (h f) - f / 2E) - e0)`
+    ///
+    /// with the uniaxial strength `f` of the surface in force and `q` the growth of `e` with the
+    /// strain along the load (1 unless flow is dilatant all around). The element's elastic energy
+    /// at the peak, the flow up to the threshold and the softening then take `G / h` together
+    /// (crack band: Bazant & Oh 1983).
+    FractureEnergy {
+        /// Energy per area of crack (tension) or of crushing band (compression), `G` (N/m).
+        energy: f64,
+        /// Equivalent plastic strain at first damage, `e0`.
+        threshold: f64,
+    },
+    /// The parameters of the equation as they stand. The energy then depends on the mesh.
+    Rates {
+        /// `A`, 0 to 2; above 1 damage is cut at its limit.
+        share: f64,
+        /// `B`, above 0.
+        rate: f64,
+        /// Equivalent plastic strain at first damage, `e0`.
+        threshold: f64,
+    },
+}
+
+/// Where the rate of softening comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rate {
+    Never,
+    Fixed(f64),
+    /// `1 / B = length / h - lost`.
+    Band {
+        length: f64,
+        lost: f64,
+    },
+}
+
+/// A softening with the numbers of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DamageCurve {
+    threshold: f64,
+    share: f64,
+    rate: Rate,
+}
+
+impl DamageCurve {
+    /// The curve for a uniaxial `strength` (Pa), Young's modulus (Pa), and growth of the
+    /// equivalent plastic strain with the strain along the load.
+    pub(crate) fn new(
+        softening: Softening,
+        strength: f64,
+        young: f64,
+        growth: f64,
+    ) -> Result<Self, MaterialError> {
+        let most = 1.0;
+        Ok(match softening {
+            Softening::None => Self {
+                threshold: 0.0,
+                share: 1.0,
+                rate: Rate::Never,
+            },
+            Softening::FractureEnergy { energy, threshold } => {
+                ParameterError::check("energy", energy, f64::MIN_POSITIVE, 1.0e12)?;
+                ParameterError::check("threshold", threshold, 0.0, most)?;
+                ParameterError::check("strength", strength, f64::MIN_POSITIVE, f64::MAX)?;
+                Self {
+                    threshold,
+                    share: 1.0,
+                    rate: Rate::Band {
+                        length: growth * energy / strength,
+                        lost: 0.5 * growth * strength / young + threshold,
+                    },
+                }
+            }
+            Softening::Rates {
+                share,
+                rate,
+                threshold,
+            } => {
+                ParameterError::check("share", share, 0.0, 2.0)?;
+                ParameterError::check("rate", rate, f64::MIN_POSITIVE, 1.0e12)?;
+                ParameterError::check("threshold", threshold, 0.0, most)?;
+                Self {
+                    threshold,
+                    share,
+                    rate: Rate::Fixed(rate),
+                }
+            }
+        })
+    }
+
+    /// The largest width of an element that does not snap back (m), if there is one.
+    pub(crate) fn largest_size(&self) -> Option<f64> {
+        match self.rate {
+            Rate::Band { length, lost } => Some(length / lost),
+            _ => None,
+        }
+    }
+
+    /// The damage of an equivalent plastic strain in an element of a width (m), at most `most`.
+    #[inline(always)]
+    pub(crate) fn damage<L: Lane>(&self, strain: L, size: L, most: f64) -> L {
+        let number = |value: f64| strain.constant(value);
+        let zero = number(0.0);
+        let rate = match self.rate {
+            Rate::Never => return zero,
+            Rate::Fixed(rate) => number(rate),
+            Rate::Band { length, lost } => {
+                let inverse = number(length) / size - number(lost);
+                number(1.0) / inverse.max(number(STEEPEST))
+            }
+        };
+        let threshold = number(self.threshold);
+        let beyond = threshold.less(strain);
+        let divisor = strain.select(beyond, number(1.0));
+        let kept = number((1.0 - self.share) * self.threshold) / divisor;
+        let softened = number(self.share) * decay(rate * (strain - threshold).max(zero));
+        let damage = number(1.0) - kept - softened;
+        damage.max(zero).min(number(most)).select(beyond, zero)
+    }
+}
