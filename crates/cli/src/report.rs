@@ -96,6 +96,16 @@ pub(crate) fn check(report: &CheckReport) {
             part.set, part.frequency, part.s_speed, part.longest_edge
         );
     }
+    if !report.joints.is_empty() {
+        println!("\njoints");
+    }
+    for joint in &report.joints {
+        let [first, second] = joint.worst_nodes;
+        println!(
+            "  {:<16} {}, {} pairs on {:.2} m2, nodes at most {:.2e} m apart ({first} and {second})",
+            joint.name, joint.law, joint.pairs, joint.area, joint.worst_gap
+        );
+    }
     println!("\nground motion");
     remarks(&report.remarks);
     println!("\nrun");
@@ -145,6 +155,15 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
 pub(crate) fn results(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
     println!("\npeaks\n{}", results.peaks(mesh));
     energies(results);
+    for (joint, share) in results.slip_shares(mesh) {
+        if share > Results::SMALL_SLIP {
+            println!(
+                "\nwarning: joint '{joint}' moved by {share:.2} of its facets' edges; its pairs keep \
+                 their nodes, which holds up to about {:.2}",
+                Results::SMALL_SLIP
+            );
+        }
+    }
     println!("\nfiles");
     for file in files {
         println!("  {}", file.display());

@@ -28,6 +28,7 @@ pub(crate) fn register(registry: &mut Registry) {
         let input = keys.input.unwrap_or_default().mode();
         Ok(Arc::new(Viscous { input }))
     });
+    crate::builtin_joints::register(registry);
     for kernel in SolidKernel::ALL {
         registry.add_kernel(kernel.name(), kernel.into());
     }

@@ -36,6 +36,7 @@
 //! crate, is shown where it stands, before any work is done.
 
 mod builtin;
+mod builtin_joints;
 mod error;
 mod fault;
 pub mod format;

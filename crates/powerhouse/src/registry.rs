@@ -3,16 +3,18 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use powerhouse_model::{AbsorbingBoundary, ModelError};
+use powerhouse_model::{AbsorbingBoundary, ContactLaw, ModelError};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use crate::fault::{Fault, Problem};
-use crate::format::{At, BoundarySection, Material as MaterialTable, Parameters, SceneFile};
+use crate::format::{
+    At, BoundarySection, JointSection, Material as MaterialTable, Parameters, SceneFile,
+};
 use crate::{Kernel, Material, builtin};
 
-/// What scenes can name: constitutive laws, element kernels and absorbing boundaries.
+/// What scenes can name: constitutive laws, element kernels, absorbing boundaries and laws of joints.
 ///
 /// ```
 /// use powerhouse::{Material, Registry};
@@ -40,6 +42,7 @@ pub struct Registry {
     laws: BTreeMap<String, Entry<Material>>,
     boundaries: BTreeMap<String, Entry<Arc<dyn AbsorbingBoundary>>>,
     kernels: BTreeMap<String, Kernel>,
+    joint_laws: BTreeMap<String, Entry<Box<dyn ContactLaw>>>,
 }
 
 type Build<T> = Box<dyn Fn(&Parameters) -> Result<T, Fault> + Send + Sync>;
@@ -77,6 +80,7 @@ impl Default for Registry {
             laws: BTreeMap::new(),
             boundaries: BTreeMap::new(),
             kernels: BTreeMap::new(),
+            joint_laws: BTreeMap::new(),
         };
         builtin::register(&mut registry);
         registry
@@ -105,6 +109,15 @@ impl Registry {
     pub fn add_kernel(&mut self, name: impl Into<String>, kernel: Kernel) {
         self.kernels.insert(name.into(), kernel);
     }
+    /// Adds or replaces a law of joints, as [`add_law`](Self::add_law); its keys stand in a
+    /// `[[joint]]` table.
+    pub fn add_joint_law<P, F>(&mut self, name: impl Into<String>, build: F)
+    where
+        P: DeserializeOwned + JsonSchema,
+        F: Fn(P) -> Result<Box<dyn ContactLaw>, ModelError> + Send + Sync + 'static,
+    {
+        self.joint_laws.insert(name.into(), Entry::new(build));
+    }
     /// Names of the laws.
     pub fn law_names(&self) -> impl Iterator<Item = &str> {
         self.laws.keys().map(String::as_str)
@@ -129,8 +142,17 @@ impl Registry {
         let entry = look_up(&self.boundaries, "boundary", &section.kind)?;
         (entry.build)(&section.parameters)
     }
+    pub(crate) fn joint_law(&self, section: &JointSection) -> Result<Box<dyn ContactLaw>, Fault> {
+        let entry = look_up(&self.joint_laws, "joint law", &section.law)?;
+        (entry.build)(&section.parameters)
+    }
     pub(crate) fn kernel(&self, name: &At<String>) -> Result<&Kernel, Fault> {
         look_up(&self.kernels, "kernel", name)
+    }
+
+    /// Names of the laws of joints.
+    pub fn joint_law_names(&self) -> impl Iterator<Item = &str> {
+        self.joint_laws.keys().map(String::as_str)
     }
 
     /// The JSON schema of scene files, for editors; it knows the keys of all laws and boundaries
@@ -139,11 +161,13 @@ impl Registry {
         let mut generator = SchemaGenerator::default();
         let laws = choices(&self.laws, &mut generator);
         let boundaries = choices(&self.boundaries, &mut generator);
+        let joint_laws = choices(&self.joint_laws, &mut generator);
         let mut root = generator.into_root_schema_for::<SceneFile>();
         let kernels = json!({ "enum": self.kernels.keys().collect::<Vec<_>>() });
         for (table, key, choices) in [
             ("Material", "law", laws),
             ("BoundarySection", "kind", boundaries),
+            ("JointSection", "law", joint_laws),
         ] {
             if let Some(table) = definition(&mut root, table) {
                 open_table(table, key, choices);

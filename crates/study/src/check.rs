@@ -9,6 +9,7 @@ use powerhouse::{Error, Remark, Scene};
 use crate::StudyError;
 use crate::cost::{self, Cost};
 use crate::free_field::FreeFieldCheck;
+use crate::joints::JointOverview;
 use crate::resolution::{self, Resolution};
 
 /// Above this ratio of longest to shortest edge waves travel at different speeds along and across.
@@ -118,6 +119,8 @@ pub struct CheckReport {
     pub quality: QualityReport,
     /// Frequencies that the parts carry.
     pub resolution: Vec<Resolution>,
+    /// The joints.
+    pub joints: Vec<JointOverview>,
     /// The stable step and who limits it.
     pub stable: StableStep,
     /// What a run will cost.
@@ -137,6 +140,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let mesh = scene.mesh().clone();
     let quality = mesh.check().map_err(Error::from)?;
     let resolution = resolution::resolution(&scene)?;
+    let joints = JointOverview::all(&scene);
     let mut warnings = warnings_of(&scene, &quality, &resolution)?;
     let account = cost::Account::of(&scene)?;
     let free_field = match scene.self_check() {
@@ -168,6 +172,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         elements: mesh.element_count(),
         quality,
         resolution,
+        joints,
         stable,
         cost,
         remarks,
@@ -211,7 +216,8 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
             scaled_jacobian: quality.least_scaled_jacobian,
         });
     }
-    if quality.parts > 1 {
+    // A joint may part the mesh.
+    if quality.parts > 1 + scene.joints().count() {
         warnings.push(Warning::Disconnected {
             parts: quality.parts,
         });

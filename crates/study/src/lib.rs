@@ -19,6 +19,7 @@ mod check;
 mod cost;
 mod error;
 mod free_field;
+mod joints;
 mod resolution;
 mod sides;
 
@@ -26,4 +27,5 @@ pub use check::{CheckReport, Warning, check, warnings};
 pub use cost::Cost;
 pub use error::StudyError;
 pub use free_field::{FreeFieldCheck, FreeFieldReport, PointError};
+pub use joints::JointOverview;
 pub use resolution::Resolution;

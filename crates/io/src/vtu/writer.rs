@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use powerhouse_model::{ElementKind, Mesh};
+use powerhouse_model::{ElementKind, Mesh, Vec3};
 
 use super::encode::{compressed, float_bytes};
 use crate::xml::escaped;
@@ -107,6 +107,49 @@ impl VtuWriter {
                 compressed(&tags(mesh.node_tags()))?,
             )],
             cell_static,
+        })
+    }
+
+    /// Prepares the files of a surface: positions (m), and for each facet its three or four corners
+    /// among them.
+    ///
+    /// # Errors
+    /// If the compressor fails, or a facet has another number of corners.
+    pub fn of_facets(
+        positions: &[Vec3],
+        facets: &[Vec<u32>],
+        precision: FieldPrecision,
+    ) -> std::io::Result<Self> {
+        let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
+        let mut end = 0_i64;
+        for facet in facets {
+            types.push(match facet.len() {
+                3 => 5,
+                4 => 9,
+                other => {
+                    let text = format!("no VTK cell for facets of {other} corners");
+                    return Err(std::io::Error::other(text));
+                }
+            });
+            for &corner in facet {
+                connectivity.extend_from_slice(&i64::from(corner).to_le_bytes());
+            }
+            end += facet.len() as i64;
+            offsets.extend_from_slice(&end.to_le_bytes());
+        }
+        let numbers = positions.iter().flat_map(|p| [p.x, p.y, p.z]);
+        Ok(Self {
+            nodes: positions.len(),
+            elements: facets.len(),
+            precision,
+            points: compressed(&float_bytes(numbers, true))?,
+            cells: [
+                compressed(&connectivity)?,
+                compressed(&offsets)?,
+                compressed(&types)?,
+            ],
+            point_static: Vec::new(),
+            cell_static: Vec::new(),
         })
     }
 

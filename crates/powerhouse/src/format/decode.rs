@@ -19,6 +19,10 @@ const TAGGED: [&str; 6] = [
 ];
 /// Open tables, and the keys in them that the format reads itself.
 const MATERIAL: (&str, &[&str]) = ("material", &["name", "law"]);
+const JOINT: (&str, &[&str]) = (
+    "joint",
+    &["name", "between", "facets", "tolerance", "corner", "law"],
+);
 const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer"]);
 
 /// Reads a scene.
@@ -28,13 +32,16 @@ const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer"]);
 /// type or outside its range.
 pub fn decode(text: &str) -> Result<SceneFile, Fault> {
     let mut root = tree(text)?;
-    for (section, shared) in [MATERIAL, BOUNDARY] {
+    for (section, shared) in [MATERIAL, JOINT, BOUNDARY] {
         split(root.get_mut(), section, shared);
     }
     let mut scene = SceneFile::deserialize(Deserializer::from(root)).map_err(Fault::from_toml)?;
     let text: Arc<str> = text.into();
     for (index, material) in scene.materials.iter_mut().enumerate() {
         material.parameters = Parameters::new(text.clone(), (MATERIAL.0, index), MATERIAL.1);
+    }
+    for (index, joint) in scene.joints.iter_mut().enumerate() {
+        joint.parameters = Parameters::new(text.clone(), (JOINT.0, index), JOINT.1);
     }
     if let Some(boundary) = &mut scene.boundary {
         boundary.parameters = Parameters::new(text, (BOUNDARY.0, 0), BOUNDARY.1);

@@ -12,6 +12,7 @@ mod at;
 mod decode;
 mod function;
 mod ground;
+mod joint;
 mod load;
 mod material;
 mod output;
@@ -33,6 +34,7 @@ pub use ground::{
     Baseline, BoundarySection, Component, Components, Convention, Count, Ground, Length, Record,
     Space, Units, Wave, WaveKind, Within,
 };
+pub use joint::JointSection;
 pub(crate) use load::{GRAVITY, WATER_DENSITY};
 pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
@@ -59,6 +61,9 @@ pub struct SceneFile {
     /// Element sets and what they are made of; every element belongs to exactly one part.
     #[serde(rename = "part")]
     pub parts: Vec<Part>,
+    /// Joints between parts.
+    #[serde(rename = "joint", default)]
+    pub joints: Vec<JointSection>,
     /// Ground motion records, by name.
     #[serde(rename = "record", default)]
     pub records: Vec<Record>,

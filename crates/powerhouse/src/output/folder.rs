@@ -9,7 +9,7 @@ use powerhouse_io::{IoError, TableColumn, write_summary, write_table, write_whol
 use powerhouse_model::Mesh;
 
 use super::summary::Summary;
-use super::{Results, drawing, vtu};
+use super::{Results, drawing, joints, vtu};
 use crate::{Error, Remark};
 
 /// A folder that takes the files of a run.
@@ -20,6 +20,8 @@ use crate::{Error, Remark};
 /// | `histories.csv` | histories and relative displacements |
 /// | `sections.csv` | section forces |
 /// | `energies.csv` | the energy ledger |
+/// | `joints.csv` | shares of area, greatest slips and openings and energies of joints |
+/// | `joints/NAME.vtu` | each joint's facets with state, tractions, slip, opening and energies |
 /// | `plots/NAME.svg` | each of them drawn |
 /// | `envelope.vtu` | greatest values with their times |
 /// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
@@ -38,7 +40,12 @@ const SNAPSHOTS: &str = "snapshots.pvd";
 /// The file that marks a folder of results.
 const SUMMARY: &str = "summary.json";
 /// Tables, with a plot of each of their names.
-const TABLES: [&str; 3] = ["histories.csv", "sections.csv", "energies.csv"];
+const TABLES: [&str; 4] = [
+    "histories.csv",
+    "sections.csv",
+    "energies.csv",
+    "joints.csv",
+];
 /// Greatest values, with a picture of each.
 const ENVELOPE: &str = "envelope.vtu";
 
@@ -76,6 +83,7 @@ impl ResultFolder {
             old.push(self.path.join(ENVELOPE));
             old.extend(self.files_in("plots", "", ".svg"));
             old.extend(self.files_in("pictures", "", ".png"));
+            old.extend(self.files_in("joints", "", ".vtu"));
             // The mark goes last, so that a failure on the way can be made good.
             old.push(self.path.join(SUMMARY));
         }
@@ -132,7 +140,12 @@ impl ResultFolder {
         if let Some(text) = scene {
             files.write("scene.toml", |file| write_whole(file, text.as_bytes()))?;
         }
-        let tables = [&results.histories, &results.sections, &results.energies];
+        let tables = [
+            &results.histories,
+            &results.sections,
+            &results.energies,
+            &results.joint_histories,
+        ];
         for (name, table) in TABLES.into_iter().zip(tables) {
             if !table.times.is_empty() {
                 let columns = columns(table);
@@ -159,6 +172,12 @@ impl ResultFolder {
                     |file| drawing::picture(file, mesh, (name, unit), field),
                 )?;
             }
+        }
+        for joint in results.joint_surfaces.iter().zip(&results.joints) {
+            let name = format!("joints/{}.vtu", drawing::file_name(&joint.1.name));
+            files.write(&name, |file| {
+                joints::write(file, mesh, joint, results.run.time)
+            })?;
         }
         if results.snapshots > 0 {
             files.written.push(self.path.join(SNAPSHOTS));

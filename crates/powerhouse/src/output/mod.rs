@@ -2,6 +2,7 @@
 
 mod drawing;
 mod folder;
+mod joints;
 mod plan;
 mod results;
 mod summary;

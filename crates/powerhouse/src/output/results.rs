@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
+use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::RunReport;
 use powerhouse_explicit_core::observe::{
-    CutSource, EnergyHistory, Envelope, EnvelopeTable, History, HistoryTable, Motion, PeakTable,
-    Recording, SectionForces, SectionGeometry,
+    CutSource, EnergyHistory, Envelope, EnvelopeTable, History, HistoryTable, JointHistories,
+    JointTable, JointTables, Motion, PeakTable, Recording, SectionForces, SectionGeometry,
 };
-use powerhouse_model::{Cadence, Mesh, ModelError, Observer};
+use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
 
 use super::OutputPlan;
 use crate::Error;
@@ -45,11 +46,20 @@ pub struct Results {
     pub energies: HistoryTable,
     /// Greatest values.
     pub envelope: Option<EnvelopeTable>,
+    /// Joints: shares of area, greatest slips and openings and energies against time.
+    pub joint_histories: HistoryTable,
+    /// The pairs of each joint at the end, with what has become of them over the run.
+    pub joints: Vec<JointTable>,
+    /// The sides of the joints, in the same order.
+    pub joint_surfaces: Vec<JointSurface>,
     /// How many snapshots the run's sink took.
     pub snapshots: u64,
 }
 
 impl Results {
+    /// The share of an edge up to which a slip counts as small.
+    pub const SMALL_SLIP: f64 = 0.1;
+
     /// The energies at the end (J) that were ever other than zero, but for the residual.
     pub fn energy_terms(&self) -> Vec<(&str, f64)> {
         let columns = self.energies.columns.iter();
@@ -69,11 +79,36 @@ impl Results {
             largest: self.run.energy_residual,
         })
     }
+    /// For each joint its name and its largest slip or opening over the shortest edge of its facets.
+    /// Pairs keep their nodes, so that a share above some [`Results::SMALL_SLIP`] is no longer small.
+    pub fn slip_shares(&self, mesh: &Mesh) -> Vec<(&str, f64)> {
+        let shortest = |surface: &JointSurface| {
+            let at = |node: u32| mesh.positions()[node as usize];
+            let facets = surface.facets.iter().map(|facet| &facet.nodes);
+            let edges = facets.flat_map(|nodes| {
+                let next = nodes.iter().cycle().skip(1);
+                nodes
+                    .iter()
+                    .zip(next)
+                    .map(|(&a, &b)| (at(b) - at(a)).norm())
+            });
+            edges.fold(f64::INFINITY, f64::min)
+        };
+        let largest = |table: &JointTable| {
+            let of = |record: &JointRecord| record.state.slip.max(record.peak_opening);
+            table.records.iter().map(of).fold(0.0, f64::max)
+        };
+        let joints = self.joints.iter().zip(&self.joint_surfaces);
+        joints
+            .map(|(table, surface)| (table.name.as_str(), largest(table) / shortest(surface)))
+            .collect()
+    }
     /// The greatest values of all histories, section forces and envelopes.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
         let mut peaks = PeakTable::default();
         peaks.add_history(&self.histories);
         peaks.add_history(&self.sections);
+        peaks.add_history(&self.joint_histories);
         if let Some(envelope) = &self.envelope {
             peaks.add_envelope("envelope", envelope, mesh);
         }
@@ -88,6 +123,8 @@ pub(crate) struct Recordings {
     section_geometry: Vec<SectionGeometry>,
     energies: Option<Recording<HistoryTable>>,
     envelope: Option<Recording<EnvelopeTable>>,
+    joints: Option<Recording<JointTables>>,
+    joint_surfaces: Vec<(String, JointSurface)>,
 }
 
 impl Recordings {
@@ -104,6 +141,8 @@ impl Recordings {
             section_geometry: Vec::new(),
             energies: None,
             envelope: None,
+            joints: None,
+            joint_surfaces: Vec::new(),
         };
         if !(plan.histories.is_empty() && plan.stresses.is_empty() && plan.relative.is_empty()) {
             let history = histories(plan, mesh)?;
@@ -160,11 +199,40 @@ impl Recordings {
         Ok((recordings, observers))
     }
 
+    /// Keeps what becomes of joints, whose sides are given by name.
+    pub(crate) fn watch_joints(
+        &mut self,
+        plan: &OutputPlan,
+        surfaces: Vec<(String, JointSurface)>,
+        observers: &mut Vec<Box<dyn Observer>>,
+    ) -> Result<(), Error> {
+        if !surfaces.is_empty() {
+            let joints = JointHistories::new(Cadence::Seconds(plan.every)).map_err(model)?;
+            self.joints = Some(joints.recording());
+            observers.push(Box::new(joints));
+        }
+        self.joint_surfaces = surfaces;
+        Ok(())
+    }
+
     pub(crate) fn finish(self, run: RunReport, wall_time: Duration, snapshots: u64) -> Results {
         let table = |recording: Option<Recording<HistoryTable>>| {
             recording.map(|r| r.copy()).unwrap_or_default()
         };
+        let joints = self
+            .joints
+            .map(|recording| recording.copy())
+            .unwrap_or_default();
+        // Joints that share nodes stand side by side in the model, whatever their order here.
+        let surface = |joint: &JointTable| {
+            let mut surfaces = self.joint_surfaces.iter();
+            let found = surfaces.find(|(name, _)| *name == joint.name);
+            found.map(|(_, surface)| surface.clone())
+        };
         Results {
+            joint_surfaces: joints.joints.iter().filter_map(surface).collect(),
+            joint_histories: joints.history,
+            joints: joints.joints,
             run,
             wall_time,
             histories: table(self.histories),

@@ -1,6 +1,7 @@
 //! From what a scene file says to a scene: names become sets, materials, fields and loads.
 
 mod ground;
+mod joints;
 mod loads;
 mod output;
 mod record;
@@ -29,13 +30,14 @@ pub(crate) fn compose(
         None => None,
     };
     let records = record::records(text, file)?;
-    let mesh = mesh(text, &file.mesh)?;
+    let (mesh, joints) = joints::joints(mesh(text, &file.mesh)?, &file.joints, registry)?;
     let names = Names { mesh: &mesh };
     check_parts(&names, file)?;
     check_kernels(&names, file, &parts)?;
 
     let mut scene = Scene::new(file.title.clone(), mesh.clone());
     scene.parts = parts;
+    scene.joints = joints;
     scene.start = file.time.start.as_ref().map_or(0.0, |start| start.get());
     scene.duration = file.time.duration.get();
     scene.initial = match *file.time.initial {

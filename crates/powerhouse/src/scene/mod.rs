@@ -1,11 +1,13 @@
 //! A scene: everything that a run needs, composed from names or from Rust.
 
 mod file;
+mod joints;
 mod medium;
 mod places;
 mod prepare;
 mod surroundings;
 
+pub(crate) use joints::SceneJoint;
 pub(crate) use places::{NOT_AT_REST, Places};
 pub(crate) use prepare::field_motion;
 pub(crate) use surroundings::box_corners;
@@ -14,10 +16,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::{Leapfrog, PeriodicPairs, Precision, Prescribed, Support};
 use powerhouse_model::{
-    AbsorbingBoundary, Constraint, IncidentField, Mesh, NodalLoad, TimeFunction, TimeIntegrator,
-    Vec3,
+    AbsorbingBoundary, Constraint, ContactLaw, IncidentField, Mesh, NodalLoad, TimeFunction,
+    TimeIntegrator, Vec3,
 };
 
 use powerhouse_wavefield::TimeHistory;
@@ -127,6 +130,7 @@ pub struct Scene {
     pub(crate) loads: Vec<Box<dyn NodalLoad>>,
     pub(crate) weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
     pub(crate) constraints: Vec<Box<dyn Constraint>>,
+    pub(crate) joints: Vec<SceneJoint>,
     pub(crate) duration: f64,
     pub(crate) start: f64,
     pub(crate) initial: InitialMotion,
@@ -159,6 +163,7 @@ impl Scene {
             loads: Vec::new(),
             weights: Vec::new(),
             constraints: Vec::new(),
+            joints: Vec::new(),
             duration: 1.0,
             start: 0.0,
             initial: InitialMotion::Rest,
@@ -230,7 +235,23 @@ impl Scene {
         self.weights.push((acceleration, Box::new(history)));
         self
     }
-    /// Adds a condition that corrects predicted velocities, such as a joint.
+    /// Adds a joint: sides that are meshed apart or were cut open, and their law. Joints that share
+    /// nodes are solved together.
+    #[must_use]
+    pub fn joint(
+        mut self,
+        name: impl Into<String>,
+        surface: JointSurface,
+        law: impl ContactLaw + 'static,
+    ) -> Self {
+        self.joints.push(SceneJoint {
+            name: name.into(),
+            surface,
+            law: Box::new(law),
+        });
+        self
+    }
+    /// Adds a condition that corrects predicted velocities.
     #[must_use]
     pub fn constraint(mut self, constraint: impl Constraint + 'static) -> Self {
         self.constraints.push(Box::new(constraint));
@@ -388,6 +409,11 @@ impl Scene {
             Path::new("results").join(stem.unwrap_or("scene".as_ref()))
         };
         ResultFolder::new(self.directory.clone().unwrap_or_else(named))
+    }
+    /// The names of the joints, their sides and their laws.
+    pub fn joints(&self) -> impl Iterator<Item = (&str, &JointSurface, &dyn ContactLaw)> {
+        let joints = self.joints.iter();
+        joints.map(|joint| (joint.name.as_str(), &joint.surface, joint.law.as_ref()))
     }
     /// What was found while the scene was composed.
     pub fn remarks(&self) -> &[Remark] {

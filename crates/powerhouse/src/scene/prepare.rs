@@ -6,6 +6,7 @@ use powerhouse_model::{
     BoundarySite, ElementKind, IncidentField, Mat3, NodalImpedance, State, Vec3,
 };
 
+use super::joints::constraints;
 use super::{InitialMotion, Places, ResidualLimit, Scene, TimeStep};
 use crate::output::Recordings;
 use crate::{Error, Part, Remark, Simulation};
@@ -72,7 +73,7 @@ impl Scene {
                 medium: *medium,
             })
             .collect();
-        let observed = Recordings::observe(&self.output, &self.mesh, &sources)?;
+        let mut observed = Recordings::observe(&self.output, &self.mesh, &sources)?;
         if let Some(boundary) = &self.boundary {
             let facets = self.absorbing_facets()?;
             self.check_faces(&facets)?;
@@ -126,6 +127,13 @@ impl Scene {
         }
         for constraint in self.constraints {
             builder = builder.constraint(constraint);
+        }
+        let (joints, surfaces) = constraints(self.joints)?;
+        observed
+            .0
+            .watch_joints(&self.output, surfaces, &mut observed.1)?;
+        for joint in joints {
+            builder = builder.constraint(Box::new(joint));
         }
         if let Some(threads) = self.threads {
             builder = builder.threads(threads);

@@ -90,6 +90,11 @@ pub(crate) fn cube_scene() -> Scene {
 }
 
 pub(crate) fn cube_scene_on(mesh: Mesh) -> Scene {
+    cube_scene_of(mesh, &["rock"])
+}
+
+/// The same with rock in several sets.
+pub(crate) fn cube_scene_of(mesh: Mesh, sets: &[&str]) -> Scene {
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
     parameters.incidence = Angle::from_degrees(20.0);
     parameters.azimuth = Angle::from_degrees(30.0);
@@ -99,11 +104,13 @@ pub(crate) fn cube_scene_on(mesh: Mesh) -> Scene {
     let centre = Vec3::new(150.0, 150.0, 0.0);
     let mut output = OutputPlan::default().history("surface", centre, Motion::ALL);
     output.every = 0.01;
-    Scene::new("cube", mesh)
-        .part(
-            Part::new("rock", Material::new(LinearElastic::new(ROCK)))
-                .kernel(SolidKernel::Hex8Full),
-        )
+    let part = |set: &&str| {
+        let rock = Material::new(LinearElastic::new(ROCK));
+        Part::new(*set, rock).kernel(SolidKernel::Hex8Full)
+    };
+    sets.iter()
+        .map(part)
+        .fold(Scene::new("cube", mesh), Scene::part)
         .field(PlaneWave::new(parameters, pulse).unwrap())
         .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre))
         .duration(0.6)

@@ -1,0 +1,92 @@
+//! Laws of joints that every registry holds from the start.
+
+use powerhouse_contact::{
+    BondedCoulomb, BondedCoulombParameters, Frictionless, Paper, PaperParameters, SlipWeakening,
+    SlipWeakeningParameters, Tied,
+};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::Registry;
+use crate::format::{NonNegative, Positive};
+
+pub(crate) fn register(registry: &mut Registry) {
+    registry.add_joint_law("tied", |_: NoKeys| Ok(Box::new(Tied)));
+    registry.add_joint_law("frictionless", |_: NoKeys| Ok(Box::new(Frictionless)));
+    registry.add_joint_law("bonded-coulomb", |keys: BondedCoulombKeys| {
+        Ok(Box::new(BondedCoulomb::new(BondedCoulombParameters {
+            cohesion: keys.cohesion.map_or(0.0, NonNegative::get),
+            tensile_strength: keys.tensile_strength.map_or(0.0, NonNegative::get),
+            static_friction: keys.static_friction.get(),
+            dynamic_friction: keys.dynamic_friction.unwrap_or(keys.static_friction).get(),
+            cohesion_loss: keys.cohesion_loss,
+        })?))
+    });
+    registry.add_joint_law("paper", |bond: BondKeys| {
+        Ok(Box::new(Paper::new(PaperParameters {
+            cohesion: bond.cohesion.map_or(0.0, NonNegative::get),
+            tensile_strength: bond.tensile_strength.map_or(0.0, NonNegative::get),
+            static_friction: bond.static_friction.get(),
+            dynamic_friction: bond.dynamic_friction.unwrap_or(bond.static_friction).get(),
+        })?))
+    });
+    registry.add_joint_law("slip-weakening", |keys: SlipWeakeningKeys| {
+        Ok(Box::new(SlipWeakening::new(SlipWeakeningParameters {
+            static_friction: keys.static_friction.get(),
+            dynamic_friction: keys.dynamic_friction.get(),
+            slip_distance: keys.slip_distance.get(),
+        })?))
+    });
+}
+
+/// A law without parameters.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct NoKeys {}
+
+/// Strengths of a bond and friction, after Wang, Chen & Xiao (2019), Eqs. 22 to 24.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct BondKeys {
+    /// Cohesion (Pa), 0 by default.
+    cohesion: Option<NonNegative>,
+    /// Tensile strength (Pa), 0 by default.
+    tensile_strength: Option<NonNegative>,
+    /// Static friction coefficient.
+    static_friction: NonNegative,
+    /// Dynamic friction coefficient, at most the static one and the same by default.
+    dynamic_friction: Option<NonNegative>,
+}
+
+/// A brittle bond, then Coulomb friction.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct BondedCoulombKeys {
+    /// Cohesion (Pa), 0 by default.
+    cohesion: Option<NonNegative>,
+    /// Tensile strength (Pa), 0 by default.
+    tensile_strength: Option<NonNegative>,
+    /// Static friction coefficient.
+    static_friction: NonNegative,
+    /// Dynamic friction coefficient, at most the static one and the same by default.
+    dynamic_friction: Option<NonNegative>,
+    /// Whether slip destroys the bond; it does by default.
+    #[serde(default = "lost")]
+    cohesion_loss: bool,
+}
+
+fn lost() -> bool {
+    true
+}
+
+/// Friction that falls with slip.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SlipWeakeningKeys {
+    /// Static friction coefficient.
+    static_friction: NonNegative,
+    /// Dynamic friction coefficient, at most the static one.
+    dynamic_friction: NonNegative,
+    /// Slip over which friction falls from one to the other (m).
+    slip_distance: Positive,
+}

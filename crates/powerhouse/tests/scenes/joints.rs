@@ -1,0 +1,195 @@
+//! Joints: in a file as in Rust, what is refused, and what a run writes of them.
+
+use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
+use powerhouse::io::write_gmsh;
+use powerhouse::model::Mesh;
+use powerhouse::{Error, Registry, ResultFolder, Scene};
+
+use crate::support::*;
+
+/// The cube in two parts, one on the other.
+fn halves() -> Mesh {
+    let mut mesh = cube();
+    for (name, above) in [("lower", false), ("upper", true)] {
+        let inside = |&e: &u32| (mesh.centroid(e).z > -150.0) == above;
+        let elements = (0..mesh.element_count() as u32).filter(inside).collect();
+        mesh.set_element_set(name, elements).unwrap();
+    }
+    mesh
+}
+
+const JOINT: &str = r#"
+[[part]]
+set = "lower"
+material = "granite"
+kernel = "hex8-full"
+[[part]]
+set = "upper"
+material = "granite"
+kernel = "hex8-full"
+[[joint]]
+name = "bedding"
+between = ["lower", "upper"]
+law = "bonded-coulomb"
+cohesion = 2e4
+tensile_strength = 1e4
+static_friction = 0.7
+dynamic_friction = 0.5
+"#;
+
+const PART: &str = "[[part]]\nset = \"rock\"\nmaterial = \"granite\"\nkernel = \"hex8-full\"\n";
+
+fn read(folder: &Folder, joint: &str) -> Result<Scene, Error> {
+    assert!(CUBE.contains(PART));
+    let text = CUBE.replacen(PART, joint, 1);
+    Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default())
+}
+
+fn folder(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    write_gmsh(folder.0.join("cube.msh"), &halves()).unwrap();
+    folder
+}
+
+/// A joint of a file is the one composed in Rust: same bits, and it cracks and slips; its tables and
+/// facets are written.
+#[test]
+fn a_joint_of_a_file_is_the_one_of_rust() {
+    let folder = folder("joint");
+    let mesh = halves();
+    let set = |name: &str| mesh.element_set(name).unwrap();
+    let split = mesh.split_between(set("lower"), set("upper")).unwrap();
+    let options = SurfaceOptions::within(1e-3).unwrap();
+    let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options);
+    let law = BondedCoulomb::new(BondedCoulombParameters {
+        cohesion: 2e4,
+        tensile_strength: 1e4,
+        static_friction: 0.7,
+        dynamic_friction: 0.5,
+        cohesion_loss: true,
+    });
+    let twin = cube_scene_of(split.mesh, &["lower", "upper"]);
+    let twin = twin.joint("bedding", surface.unwrap(), law.unwrap());
+    let scene = read(&folder, JOINT).unwrap();
+    let mesh = scene.mesh().clone();
+    let (file, twin) = (run(scene), run(twin));
+    assert_eq!(file.histories, twin.histories);
+    assert_eq!(file.joint_histories, twin.joint_histories);
+    assert_eq!(file.joints, twin.joints);
+    let last = |name: &str| {
+        *file
+            .joint_histories
+            .column(name)
+            .unwrap()
+            .values
+            .last()
+            .unwrap()
+    };
+    assert!(last("bedding.slip") > 1e-4 && last("bedding.opening") > 1e-4);
+    assert!(last("bedding.friction") > 0.0 && file.energy_residual().unwrap().largest < 1e-10);
+    let [(name, share)] = file.slip_shares(&mesh)[..] else {
+        panic!("one joint")
+    };
+    assert_eq!(name, "bedding");
+    assert!((share - last("bedding.opening").max(last("bedding.slip")) / 50.0).abs() < 1e-12);
+
+    let results = ResultFolder::new(folder.0.join("results"));
+    let written = results.write(("cube", &mesh), &file, &[], None).unwrap();
+    for name in ["joints.csv", "joints/bedding.vtu"] {
+        assert!(
+            written.contains(&folder.0.join("results").join(name)),
+            "{written:?}"
+        );
+    }
+    let vtu = std::fs::read(folder.0.join("results/joints/bedding.vtu")).unwrap();
+    let text = String::from_utf8_lossy(&vtu);
+    assert!(
+        text.contains(r#"NumberOfPoints="144" NumberOfCells="36""#),
+        "{}",
+        &text[..400]
+    );
+    assert!(text.contains("time of first slip"));
+    results.clear().unwrap();
+    assert!(!folder.0.join("results/joints/bedding.vtu").exists());
+}
+
+/// What is wrong with a joint is shown at its key: sets that do not exist or do not touch, both kinds
+/// of sides, an unknown law or key, a parameter out of range, a name used twice.
+#[test]
+fn faults_of_joints_have_their_place() {
+    let folder = folder("joint-faults");
+    let twice = format!("{JOINT}{}", &JOINT[JOINT.find("[[joint]]").unwrap()..]);
+    for (old, new, at) in [
+        ("[\"lower\", \"upper\"]", "[\"lower\", \"lid\"]", "\"lid\""),
+        (
+            "[\"lower\", \"upper\"]",
+            "[\"lower\", \"lower\"]",
+            "[\"lower\", \"lower\"]",
+        ),
+        (
+            "law =",
+            "facets = [\"top\", \"bottom\"]\nlaw =",
+            "\"bedding\"",
+        ),
+        ("between", "facets", "[\"lower\", \"upper\"]"),
+        ("\"bonded-coulomb\"", "\"glue\"", "\"glue\""),
+        ("cohesion =", "adhesion =", "adhesion"),
+        ("dynamic_friction = 0.5", "dynamic_friction = 0.9", "0.9"),
+        ("cohesion = 2e4", "cohesion = -2e4", "-2e4"),
+        ("law =", "corner = 120\nlaw =", "120"),
+        (JOINT, &twice, "\"bedding\""),
+    ] {
+        assert!(JOINT.contains(old), "{old}");
+        let changed = JOINT.replacen(old, new, 1);
+        let error = read(&folder, &changed).err().unwrap();
+        let Error::Scene(fault) = &error else {
+            panic!("{error}")
+        };
+        let text = CUBE.replacen(PART, &changed, 1);
+        let line = text[..text.rfind(at).unwrap()].matches('\n').count() + 1;
+        let message = fault.to_string();
+        assert!(
+            message.contains(&format!("cube.toml:{line}:")),
+            "{new}: {line} {message}"
+        );
+    }
+}
+
+/// Every law of the software can be named in a scene, and the schema knows its keys.
+#[test]
+fn all_laws_of_joints_can_be_named() {
+    let registry = Registry::default();
+    let names: Vec<&str> = registry.joint_law_names().collect();
+    let expected = [
+        "bonded-coulomb",
+        "frictionless",
+        "paper",
+        "slip-weakening",
+        "tied",
+    ];
+    assert_eq!(names, expected);
+    let schema = registry.schema().to_value().to_string();
+    for key in [
+        "slip_distance",
+        "cohesion_loss",
+        "between",
+        "slip-weakening",
+    ] {
+        assert!(schema.contains(key), "{key}");
+    }
+    let folder = folder("joint-laws");
+    let (start, end) = (JOINT.find("law = \"bonded").unwrap(), JOINT.len());
+    for law in [
+        "law = \"tied\"\n",
+        "law = \"frictionless\"\n",
+        "law = \"paper\"\ncohesion = 1e6\ntensile_strength = 1e6\nstatic_friction = 0.8\n",
+        "law = \"slip-weakening\"\nstatic_friction = 0.7\ndynamic_friction = 0.5\nslip_distance = 0.1\n",
+    ] {
+        let mut text = JOINT.to_owned();
+        text.replace_range(start..end, law);
+        let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{law}: {error}"));
+        let (name, surface, found) = scene.joints().next().unwrap();
+        assert_eq!((name, surface.pairs.len()), ("bedding", 49));
+        assert!(law.contains(&format!("\"{}\"", found.name())));
+    }
+}
