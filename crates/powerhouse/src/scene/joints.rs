@@ -10,12 +10,21 @@ pub(crate) struct SceneJoint {
     pub(crate) law: Box<dyn ContactLaw>,
 }
 
+/// A joint whose law was chosen by name.
+type NamedJoint = Joint<Box<dyn ContactLaw>>;
+
+/// Joints that share nodes, and those nodes.
+type Group = (Vec<u32>, Vec<NamedJoint>);
+
+/// The sides of a joint, by its name.
+pub(crate) type NamedSurface = (String, JointSurface);
+
 /// Constraints of the joints: those that share nodes, directly or by way of others, in one; and the
 /// surfaces by the joints' names.
 pub(super) fn constraints(
     joints: Vec<SceneJoint>,
-) -> Result<(Vec<Joint<Box<dyn ContactLaw>>>, Vec<(String, JointSurface)>), ModelError> {
-    let mut groups: Vec<(Vec<u32>, Vec<Joint<Box<dyn ContactLaw>>>)> = Vec::new();
+) -> Result<(Vec<NamedJoint>, Vec<NamedSurface>), ModelError> {
+    let mut groups: Vec<Group> = Vec::new();
     let mut surfaces = Vec::with_capacity(joints.len());
     for SceneJoint { name, surface, law } in joints {
         let mut nodes: Vec<u32> = surface.pairs.iter().flat_map(|pair| pair.nodes).collect();
