@@ -96,14 +96,16 @@ pub(super) fn correct<L: ContactLaw>(
         let excess = pair.to_local(&predicted) + hold;
         let trial = side.preload + excess * entry.stiffness;
         let (traction, state) = law.admissible(trial, &record.state);
-        let (change, after);
+        // The change of relative velocity, and what it leaves; along normal and tangents, too.
+        let (change, after, along);
         if state.contact == ContactState::Stick && traction == trial {
             // The bits of both velocities are the same where there is nothing to hold back.
-            let hold = pair.to_global(&hold);
-            (change, after) = (predicted + hold, -hold);
+            let held = pair.to_global(&hold);
+            (change, after, along) = (predicted + held, -held, -hold);
         } else {
-            change = pair.to_global(&((traction - side.preload) * entry.compliance));
-            after = predicted - change;
+            let local = (traction - side.preload) * entry.compliance;
+            change = pair.to_global(&local);
+            (after, along) = (predicted - change, excess - hold - local);
         }
         let velocity = motion.velocity[heavy] + change * (sign * entry.share);
         motion.velocity[heavy] = velocity;
@@ -115,7 +117,7 @@ pub(super) fn correct<L: ContactLaw>(
             preload: side.preload,
             offset,
             before,
-            after: pair.to_local(&after),
+            after: along,
             traction,
             state,
         };
