@@ -26,6 +26,12 @@ pub enum MaterialError {
         /// The largest permitted width (m).
         largest: f64,
     },
+    /// Softening so slow that the stress rises after the first damage.
+    #[error("B e0 = {product} is below 1: the stress would rise after first damage")]
+    Hardening {
+        /// The softening rate times the threshold strain.
+        product: f64,
+    },
     /// A strain or a stress that is not finite.
     #[error("step {step}: the {what} is not finite")]
     NotFinite {

@@ -3,8 +3,8 @@
 use powerhouse_model::{ElasticMedium, ParameterError};
 
 use crate::{
-    MaterialError, MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters,
-    Softening, media,
+    MaterialError, MazarsParameters, MazarsTension, MohrCoulomb, MohrCoulombParameters,
+    PlasticDamage, PlasticDamageParameters, Softening, media,
 };
 
 /// The rock of the paper: phi 42 degrees, c 1.05 MPa, dilation zero (the paper gives none).
@@ -50,6 +50,23 @@ pub const PAPER_CONCRETE: MohrCoulombParameters = MohrCoulombParameters {
 pub fn paper_concrete() -> Result<PlasticDamage<MohrCoulomb>, MaterialError> {
     cracking(PAPER_CONCRETE, 133.0, 35.96e3)
 }
+
+/// The C25 of the paper in total strain: `e0 = f_t / E` with 1.27 MPa, `A_t` 0.9, `B_t = 1 / e0`,
+/// `A_c` 1.175, `B_c` 2965, which peaks at 16.7 MPa in uniaxial compression.
+///
+/// Source: the rule of thumb of code_aster for Mazars' law (R7.01.08), with the strengths of Wang,
+/// Chen & Xiao (2019), Table 1.
+pub const PAPER_CONCRETE_MAZARS: MazarsParameters = MazarsParameters {
+    medium: media::CONCRETE,
+    threshold: 5.08e-5,
+    tension: MazarsTension::Rates {
+        share: 0.9,
+        rate: 1.0 / 5.08e-5,
+    },
+    compression_share: 1.175,
+    compression_rate: 2965.0,
+    residual_stiffness: 1.0e-3,
+};
 
 /// Concrete by its characteristic cylinder strength (MPa, 12 to 50), such as 20 to 40.
 ///

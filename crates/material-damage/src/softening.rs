@@ -120,21 +120,37 @@ impl DamageCurve {
     #[inline(always)]
     pub(crate) fn damage<L: Lane>(&self, strain: L, size: L, most: f64) -> L {
         let number = |value: f64| strain.constant(value);
-        let zero = number(0.0);
         let rate = match self.rate {
-            Rate::Never => return zero,
+            Rate::Never => return number(0.0),
             Rate::Fixed(rate) => number(rate),
             Rate::Band { length, lost } => {
                 let inverse = number(length) / size - number(lost);
                 number(1.0) / inverse.max(number(STEEPEST))
             }
         };
-        let threshold = number(self.threshold);
-        let beyond = threshold.less(strain);
-        let divisor = strain.select(beyond, number(1.0));
-        let kept = number((1.0 - self.share) * self.threshold) / divisor;
-        let softened = number(self.share) * decay(rate * (strain - threshold).max(zero));
-        let damage = number(1.0) - kept - softened;
-        damage.max(zero).min(number(most)).select(beyond, zero)
+        damage_of(strain, self.threshold, self.share, rate, most)
     }
+}
+
+/// `1 - (1 - A) e0 / e - A exp(-B (e - e0))` beyond the threshold, at most `most`.
+#[inline(always)]
+pub(crate) fn damage_of<L: Lane>(strain: L, threshold: f64, share: f64, rate: L, most: f64) -> L {
+    let number = |value: f64| strain.constant(value);
+    let zero = number(0.0);
+    let first = number(threshold);
+    let beyond = first.less(strain);
+    let divisor = strain.select(beyond, number(1.0));
+    let kept = number((1.0 - share) * threshold) / divisor;
+    let softened = number(share) * decay(rate * (strain - first).max(zero));
+    let damage = number(1.0) - kept - softened;
+    damage.max(zero).min(number(most)).select(beyond, zero)
+}
+
+/// `1 / B` of `G / (h E) = e0^2 / 2 + e0 / B + 1 / B^2`, with `length = G / E` (m).
+#[inline(always)]
+pub(crate) fn inverse_rate_in_total_strain<L: Lane>(size: L, length: f64, threshold: f64) -> L {
+    let number = |value: f64| size.constant(value);
+    let square = number(4.0 * length) / size - number(threshold * threshold);
+    let inverse = (square.max(number(0.0)).sqrt() - number(threshold)) * number(0.5);
+    inverse.max(number(STEEPEST))
 }

@@ -3,6 +3,7 @@
 mod driver;
 mod drucker_prager;
 mod lanes;
+mod mazars;
 mod mohr_coulomb;
 mod packs;
 mod plastic_damage;

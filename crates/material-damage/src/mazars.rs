@@ -1,0 +1,223 @@
+//! Damage in total strain after Mazars.
+
+use powerhouse_model::{
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, ParameterError, Stress,
+};
+
+use crate::softening::{damage_of, inverse_rate_in_total_strain};
+use crate::{MaterialError, PrincipalAxes};
+
+/// Softening in tension of a [`Mazars`] law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MazarsTension {
+    /// `A = 1`, and `B` from `G / h = E e0^2 / 2 + E (e0 / B + 1 / B^2)` for an element of width
+    /// `h`. It holds for widths within a factor of five: below the least one the stress would
+    /// rise after first damage, above the greatest the element snaps back.
+    FractureEnergy {
+        /// Energy per area of crack, `G` (N/m).
+        energy: f64,
+    },
+    /// `A` and `B` as they stand; the energy then depends on the mesh.
+    Rates {
+        /// `A`, 0 to 1.
+        share: f64,
+        /// `B`, at least `1 / e0`.
+        rate: f64,
+    },
+}
+
+/// What a [`Mazars`] law is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MazarsParameters {
+    /// The elastic medium.
+    pub medium: ElasticMedium,
+    /// Equivalent strain at first damage, `e0`.
+    pub threshold: f64,
+    /// Softening in tension.
+    pub tension: MazarsTension,
+    /// `A` in compression, 0 to 2; above 1 damage is cut at its limit.
+    pub compression_share: f64,
+    /// `B` in compression, above 0.
+    pub compression_rate: f64,
+    /// The share of stiffness that no damage takes away, 1e-6 to 1.
+    pub residual_stiffness: f64,
+}
+
+const EQUIVALENT: usize = 0;
+const DAMAGE_TENSION: usize = 1;
+const DAMAGE_COMPRESSION: usize = 2;
+const DAMAGE: usize = 3;
+const HISTORY: [HistoryVariable; 4] = {
+    const fn number(name: &'static str) -> HistoryVariable {
+        HistoryVariable { name, unit: "1" }
+    }
+    [
+        number("equivalent_strain"),
+        number("damage_tension"),
+        number("damage_compression"),
+        number("damage"),
+    ]
+};
+
+/// Elasticity with scalar damage in total strain.
+///
+/// `sigma = (1 - D) C e`, `D = a_t d_t + a_c d_c`
+///
+/// with `d_t` and `d_c` of the [`Softening`](crate::Softening) equation in the largest equivalent
+/// strain so far, `sqrt(sum <e_i>^2)`, and the weights `a_t = sum e_ti <e_i> / sum <e_i>^2`,
+/// `a_c = 1 - a_t`, where `e_t` is the elastic strain of the tensile principal stresses alone. The
+/// strain `e` includes that of the initial stress, `C^-1 sigma0`.
+///
+/// History: the largest equivalent strain, `d_t`, `d_c` and `D`. There is no plastic strain:
+/// unloading goes to the origin. With the weights `D` may fall on paths between tension and
+/// compression. A strain that is not finite gives a stress that is not finite.
+///
+/// Source: Mazars (1986), *Engineering Fracture Mechanics* 25(5); energy after the crack band of
+/// Bazant & Oh (1983).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mazars {
+    parameters: MazarsParameters,
+    lambda: f64,
+    shear: f64,
+}
+
+impl Mazars {
+    /// The law of the parameters.
+    ///
+    /// # Errors
+    /// A parameter outside its range; [`MaterialError::Hardening`] for a rate below `1 / e0`.
+    pub fn new(parameters: MazarsParameters) -> Result<Self, MaterialError> {
+        let p = &parameters;
+        ElasticMedium::new(p.medium.young, p.medium.poisson, p.medium.density)?;
+        ParameterError::check("threshold", p.threshold, 1.0e-9, 1.0)?;
+        ParameterError::check("compression_share", p.compression_share, 0.0, 2.0)?;
+        let least = f64::MIN_POSITIVE;
+        ParameterError::check("compression_rate", p.compression_rate, least, 1.0e12)?;
+        ParameterError::check("residual_stiffness", p.residual_stiffness, 1.0e-6, 1.0)?;
+        match p.tension {
+            MazarsTension::FractureEnergy { energy } => {
+                ParameterError::check("energy", energy, least, 1.0e12)?;
+            }
+            MazarsTension::Rates { share, rate } => {
+                ParameterError::check("share", share, 0.0, 1.0)?;
+                ParameterError::check("rate", rate, least, 1.0e12)?;
+                let product = rate * p.threshold;
+                if product < 1.0 - 1.0e-9 {
+                    return Err(MaterialError::Hardening { product });
+                }
+            }
+        }
+        Ok(Self {
+            lambda: p.medium.lambda(),
+            shear: p.medium.shear(),
+            parameters,
+        })
+    }
+
+    /// What the law was made of.
+    pub fn parameters(&self) -> &MazarsParameters {
+        &self.parameters
+    }
+
+    /// The widths of elements (m) for which softening by energy holds; none for given rates.
+    pub fn permitted_sizes(&self) -> Option<[f64; 2]> {
+        let MazarsTension::FractureEnergy { energy } = self.parameters.tension else {
+            return None;
+        };
+        let at_peak = self.parameters.medium.young * self.parameters.threshold.powi(2);
+        // 1 / B = e0 and 1 / B = 0.
+        Some([energy / (2.5 * at_peak), energy / (0.5 * at_peak)])
+    }
+
+    /// Refuses an element whose width normal to a crack (m) is too small or too large.
+    ///
+    /// # Errors
+    /// [`MaterialError::SnapBack`] names the largest permitted width,
+    /// [`MaterialError::Hardening`] the product `B e0` of one too small.
+    pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
+        ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
+        match self.permitted_sizes() {
+            Some([_, largest]) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
+            Some([least, _]) if size < least => Err(MaterialError::Hardening {
+                product: self.parameters.threshold / self.inverse_rate(size),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// `1 / B` in tension for a width of the element (m).
+    #[inline(always)]
+    fn inverse_rate<L: Lane>(&self, size: L) -> L {
+        match self.parameters.tension {
+            MazarsTension::FractureEnergy { energy } => {
+                let length = energy / self.parameters.medium.young;
+                inverse_rate_in_total_strain(size, length, self.parameters.threshold)
+            }
+            MazarsTension::Rates { rate, .. } => size.constant(1.0 / rate),
+        }
+    }
+}
+
+impl ConstitutiveLaw for Mazars {
+    fn name(&self) -> &str {
+        "mazars"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.parameters.medium
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &HISTORY
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        let p = &self.parameters;
+        let old = input.history;
+        let first = input.strain.0[0];
+        let number = |value: f64| first.constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        let change = Stress::elastic(number(self.lambda), number(self.shear), &input.strain);
+        let values = PrincipalAxes::of(&(input.initial + change)).values;
+
+        // Principal strains times E, of all principal stresses and of the tensile ones.
+        let (own, common) = (number(1.0 + p.medium.poisson), number(p.medium.poisson));
+        let strains = |stresses: [L; 3]| {
+            let sum = common * (stresses[0] + stresses[1] + stresses[2]);
+            stresses.map(|s| own.mul_add(s, -sum))
+        };
+        let stretches = strains(values).map(|e| e.max(zero));
+        let pulled = strains(values.map(|s| s.max(zero)));
+        // Divided by the largest, so that squares are numbers.
+        let largest = stretches[0].max(stretches[1]).max(stretches[2]);
+        let some = zero.less(largest);
+        let divisor = largest.select(some, one);
+        let shares = stretches.map(|e| e / divisor);
+        let [a, b, c] = shares;
+        let square = a.mul_add(a, b.mul_add(b, c * c));
+        let [x, y, z] = pulled.map(|e| e / divisor);
+        let tensile = x.mul_add(a, y.mul_add(b, z * c));
+        let weight = (tensile / square.select(some, one)).min(one).max(zero);
+        let weight = weight.select(some, one);
+        let equivalent = largest * square.sqrt() * number(1.0 / p.medium.young);
+
+        let reached = old[EQUIVALENT].max(equivalent);
+        let threshold = p.threshold;
+        let most = 1.0 - p.residual_stiffness;
+        let share = match p.tension {
+            MazarsTension::FractureEnergy { .. } => 1.0,
+            MazarsTension::Rates { share, .. } => share,
+        };
+        let rate = one / self.inverse_rate(input.size);
+        let torn = damage_of(reached, threshold, share, rate, most);
+        let rate = number(p.compression_rate);
+        let broken = damage_of(reached, threshold, p.compression_share, rate, most);
+        let damage = weight * torn + (one - weight) * broken;
+        new_history[EQUIVALENT] = reached;
+        new_history[DAMAGE_TENSION] = torn;
+        new_history[DAMAGE_COMPRESSION] = broken;
+        new_history[DAMAGE] = damage;
+        let left = one - damage;
+        Stress(core::array::from_fn(|i| {
+            left * change.0[i] - damage * input.initial.0[i]
+        }))
+    }
+}
