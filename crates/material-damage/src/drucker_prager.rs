@@ -168,7 +168,8 @@ impl YieldSurface for DruckerPrager {
         let ratio = self.stiffness_ratio;
         let hardness = 1.0 + 9.0 * ratio * self.friction * self.dilation;
         let flow = self.yield_function(mean, shear) * number(1.0 / hardness);
-        let returned = mean - number(3.0 * ratio * self.dilation) * flow;
+        let lowered = number(3.0 * ratio * self.dilation) * flow;
+        let returned = mean - lowered;
         // On the cone exactly, whatever the rounding of the mean.
         let radius = number(self.strength) - number(3.0 * self.friction) * returned;
         let zero = number(0.0);
@@ -176,13 +177,17 @@ impl YieldSurface for DruckerPrager {
         let divisor = shear.select(zero.less(shear), number(1.0));
         let scale = radius.max(zero) / divisor;
         let on_cone = trial.map(|s| (s - mean).mul_add(scale, returned));
+        let shrunk = flow / divisor;
+        let loss_to_cone = trial.map(|s| (s - mean).mul_add(shrunk, lowered));
         let apex = if self.friction > 0.0 {
             self.apex()
         } else {
             0.0
         };
+        let loss_to_apex = trial.map(|s| s - number(apex));
         PrincipalReturn {
             stress: pick(to_apex, &[number(apex); 3], &on_cone),
+            loss: pick(to_apex, &loss_to_apex, &loss_to_cone),
             state: number(YieldState::Tension.number())
                 .select(to_apex, number(YieldState::Shear.number())),
         }

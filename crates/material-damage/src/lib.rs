@@ -4,6 +4,18 @@
 //! the socket [`ConstitutiveLaw`](powerhouse_model::ConstitutiveLaw): it runs without a mesh and
 //! for any lane.
 //!
+//! | law | parameters | history | limits |
+//! |---|---|---|---|
+//! | [`LinearElastic`] | elastic medium | none | no strength |
+//! | [`ElastoPlastic`] of [`MohrCoulomb`] | friction, dilation, cohesion, cut-off | 8: plastic strain, equivalent plastic strain, yield state | perfectly plastic |
+//! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only |
+//! | [`PlasticDamage`] of either surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions |
+//! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) |
+//!
+//! [`presets`] hold published materials, [`MohrCoulomb::findings`] tells what does not fit together
+//! in them, [`PointDriver`] leads one point along paths of strain and stress.
+//!
+//! # Example
 //! ```
 //! use powerhouse_material_damage::{LinearElastic, media};
 //! use powerhouse_model::{ConstitutiveLaw, LawInput, Strain};
@@ -19,7 +31,16 @@
 //! of overburden would eat the digits of a small wave in single precision.
 //! *Moduli are computed once*, when the law is made: a law is called for every element and step,
 //! and two divisions per call would cost more than Hooke's law itself.
+//! *Points that surely stay elastic are told by invariants* before any principal values are
+//! computed: most points of most steps do, and the bound costs little more than Hooke's law.
+//! *Surfaces return the loss of stress beside the stress*, computed from the excess: as a
+//! difference of large stresses it would be rounded at every step, and single precision would
+//! wander by hundreds of pascals in a long run.
+//! *One rule picks among faces, edges and corners*: all candidates are computed, the one that
+//! violates the conditions least is taken. There is no order of cases to get wrong, and packs of
+//! points need no branches.
 
+mod consistency;
 mod driver;
 mod drucker_prager;
 mod elasto_plastic;
@@ -35,6 +56,7 @@ mod principal;
 mod softening;
 mod surface;
 
+pub use consistency::Finding;
 pub use driver::{Control, PointDriver, PointRecord};
 pub use drucker_prager::{ConeFit, DruckerPrager, DruckerPragerParameters};
 pub use elasto_plastic::ElastoPlastic;

@@ -24,6 +24,35 @@ pub struct MohrCoulombParameters {
     pub tension_strength: Option<f64>,
 }
 
+impl MohrCoulombParameters {
+    /// The parameters whose surface yields at given strengths (Pa, positive) in uniaxial
+    /// compression and tension, without dilation.
+    ///
+    /// `N = f_c / f_t`, `sin phi = (N - 1) / (N + 1)`, `c = f_c / (2 sqrt N)`
+    ///
+    /// Friction and cohesion listed beside such strengths are not kept: one plane honours two
+    /// numbers.
+    ///
+    /// # Errors
+    /// Strengths that are not positive; a compressive one that is not 1 to 50 times the tensile.
+    pub fn through_strengths(
+        medium: ElasticMedium,
+        compression: f64,
+        tension: f64,
+    ) -> Result<Self, MaterialError> {
+        ParameterError::check("tension", tension, f64::MIN_POSITIVE, 1.0e12)?;
+        ParameterError::check("compression", compression, tension, 50.0 * tension)?;
+        let ratio = compression / tension;
+        Ok(Self {
+            medium,
+            friction: ((ratio - 1.0) / (ratio + 1.0)).asin().to_degrees(),
+            dilation: 0.0,
+            cohesion: 0.5 * compression / ratio.sqrt(),
+            tension_strength: Some(tension),
+        })
+    }
+}
+
 /// The yield surface of Mohr and Coulomb with a tension cut-off and dilation.
 ///
 /// With principal stresses `s1 >= s2 >= s3`, `N = (1 + sin phi) / (1 - sin phi)`, `m` the same of
@@ -39,7 +68,8 @@ pub struct MohrCoulombParameters {
 /// in closed form, and the one that violates sign of flow and surface least (no more than by
 /// rounding) is the solution. For associated flow this is the closest point in the energy norm
 /// (Simo & Hughes, *Computational Inelasticity*, 1998, ch. 5). A cut-off above the apex is
-/// without effect and is set to the apex, where flow is any combination of all faces.
+/// without effect and is set to the apex, where flow is any combination of all faces; see
+/// [`findings`](Self::findings).
 ///
 /// Sources: Coulomb (1776), Mohr (1900); returns to plane, edges and apex in principal stresses:
 /// Clausen, Damkilde & Andersen (2006), *Int. J. Numer. Meth. Engng* 66.
@@ -127,13 +157,21 @@ impl MohrCoulomb {
 struct Best<L> {
     violation: L,
     stress: [L; 3],
+    loss: [L; 3],
     state: L,
 }
 
 impl<L: Lane> Best<L> {
-    /// Takes a candidate if it is better; `conditions` are not positive where it is right (Pa).
+    /// Takes a candidate, with its `loss` against the trial, if it is better; `conditions` are
+    /// not positive where it is right (Pa).
     #[inline(always)]
-    fn offer<const C: usize>(&mut self, state: YieldState, stress: [L; 3], conditions: [L; C]) {
+    fn offer<const C: usize>(
+        &mut self,
+        state: YieldState,
+        stress: [L; 3],
+        loss: [L; 3],
+        conditions: [L; C],
+    ) {
         let violation = conditions
             .into_iter()
             .reduce(Lane::max)
@@ -141,10 +179,9 @@ impl<L: Lane> Best<L> {
         let better = violation.less(self.violation);
         self.violation = violation.select(better, self.violation);
         self.stress = pick(better, &stress, &self.stress);
-        self.state = self
-            .state
-            .constant(state.number())
-            .select(better, self.state);
+        self.loss = pick(better, &loss, &self.loss);
+        let number = self.state.constant(state.number());
+        self.state = number.select(better, self.state);
     }
 }
 
@@ -202,48 +239,54 @@ impl YieldSurface for MohrCoulomb {
         let mut best = Best {
             violation: number(f64::INFINITY),
             stress: [tension; 3],
+            loss: over,
             state: number(Tension.number()),
         };
-        best.offer(Tension, [tension; 3], [common - over[2]]);
+        best.offer(Tension, [tension; 3], over, [common - over[2]]);
 
         // Shear face.
         let excess = friction * s1 - s3 - strength;
         let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 1.0));
-        let greatest = s1 - (dilation + swelling) * flow;
-        let middle = s2 - swelling * flow;
+        let swollen = swelling * flow;
+        let loss = [(dilation + swelling) * flow, swollen, swollen - flow];
+        let (greatest, middle) = (s1 - loss[0], s2 - loss[1]);
         let least = friction * greatest - strength;
+        let below = least - middle;
         best.offer(
             Shear,
             [greatest, middle, least],
-            [
-                -excess,
-                middle - greatest,
-                least - middle,
-                greatest - tension,
-            ],
+            loss,
+            [-excess, middle - greatest, below, greatest - tension],
         );
 
         // Edge of equal greater stresses: x1 + x2 = m g, x1 - x2 = s1 - s2, x3 = -g.
+        let apart = half * (s1 - s2);
         let mean = half * (s1 + s2);
         let excess = friction * mean - s3 - strength;
         let flow = excess * number(1.0 / ((n - 1.0) * dilated + 0.5 * n * m + 1.0));
-        let greatest = mean - (half * dilation + swelling) * flow;
+        let lowered = (half * dilation + swelling) * flow;
+        let greatest = mean - lowered;
         let least = friction * greatest - strength;
         best.offer(
             Shear,
             [greatest, greatest, least],
+            [lowered + apart, lowered - apart, swelling * flow - flow],
             [s1 - s2 - dilation * flow, greatest - tension],
         );
 
         // Edge of equal lesser stresses: x1 = m g, x2 + x3 = -g, x2 - x3 = s2 - s3.
+        let apart = half * (s2 - s3);
         let mean = half * (s2 + s3);
         let excess = friction * s1 - mean - strength;
         let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 0.5));
-        let greatest = s1 - (dilation + swelling) * flow;
+        let lowered = (dilation + swelling) * flow;
+        let raised = (swelling - half) * flow;
+        let greatest = s1 - lowered;
         let least = friction * greatest - strength;
         best.offer(
             Shear,
             [greatest, least, least],
+            [lowered, raised + apart, raised - apart],
             [s2 - s3 - flow, greatest - tension],
         );
 
@@ -253,6 +296,7 @@ impl YieldSurface for MohrCoulomb {
         best.offer(
             Tension,
             [tension, middle, least],
+            [over[0], common, common],
             [-over[0], middle - tension, meeting - least],
         );
 
@@ -263,6 +307,7 @@ impl YieldSurface for MohrCoulomb {
         best.offer(
             Tension,
             [tension, tension, least],
+            [over[0], over[1], common],
             [common - over[1], least - tension, meeting - least],
         );
 
@@ -271,15 +316,12 @@ impl YieldSurface for MohrCoulomb {
         let common = pair * (over[0] + below[1]);
         let (x1, x3) = (over[0] - common, below[1] - common);
         let middle = s2 - common;
+        let too_low = meeting - middle;
         best.offer(
             Both,
             [tension, middle, meeting],
-            [
-                x3,
-                -(x1 + dilation * x3),
-                middle - tension,
-                meeting - middle,
-            ],
+            [over[0], common, below[1]],
+            [x3, -(x1 + dilation * x3), middle - tension, too_low],
         );
 
         // Its end with equal greater stresses.
@@ -288,6 +330,7 @@ impl YieldSurface for MohrCoulomb {
         best.offer(
             Both,
             [tension, tension, meeting],
+            [over[0], over[1], below[1]],
             [x3, -x2, -(x1 + x2 + dilation * x3)],
         );
 
@@ -297,11 +340,13 @@ impl YieldSurface for MohrCoulomb {
         best.offer(
             Both,
             [tension, meeting, meeting],
+            [over[0], below[0], below[1]],
             [x2, -(x1 + dilation * (x2 + x3))],
         );
 
         PrincipalReturn {
             stress: best.stress,
+            loss: best.loss,
             state: best.state,
         }
     }

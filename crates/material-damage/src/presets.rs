@@ -71,9 +71,8 @@ pub const PAPER_CONCRETE_MAZARS: MazarsParameters = MazarsParameters {
 /// Concrete by its characteristic cylinder strength (MPa, 12 to 50), such as 20 to 40.
 ///
 /// Eurocode 2 (EN 1992-1-1:2004, Table 3.1): `f_cm = f_ck + 8`, `f_ctm = 0.3 f_ck^(2/3)`, `E_cm =
-/// 22 (f_cm / 10)^0.3` GPa, Poisson's ratio 0.2, 2500 kg/m3. Friction angle and cohesion are
-/// those of the surface through `f_cm` in uniaxial compression and `f_ctm` in uniaxial tension:
-/// `N = f_cm / f_ctm`, `c = f_cm / (2 sqrt N)`; dilation zero. Softening as in
+/// 22 (f_cm / 10)^0.3` GPa, Poisson's ratio 0.2, 2500 kg/m3. The surface goes
+/// [through](MohrCoulombParameters::through_strengths) `f_cm` and `f_ctm`. Softening as in
 /// [`paper_concrete`], with `f_cm`.
 ///
 /// # Errors
@@ -83,14 +82,9 @@ pub fn eurocode_concrete(strength: f64) -> Result<PlasticDamage<MohrCoulomb>, Ma
     let compressive = strength + 8.0;
     let tensile = 0.3 * strength.powf(2.0 / 3.0);
     let young = 22.0e9 * (compressive / 10.0).powf(0.3);
-    let ratio = compressive / tensile;
-    let parameters = MohrCoulombParameters {
-        medium: ElasticMedium::new(young, 0.2, 2500.0)?,
-        friction: ((ratio - 1.0) / (ratio + 1.0)).asin().to_degrees(),
-        dilation: 0.0,
-        cohesion: 0.5e6 * compressive / ratio.sqrt(),
-        tension_strength: Some(1.0e6 * tensile),
-    };
+    let medium = ElasticMedium::new(young, 0.2, 2500.0)?;
+    let parameters =
+        MohrCoulombParameters::through_strengths(medium, 1.0e6 * compressive, 1.0e6 * tensile)?;
     cracking(
         parameters,
         73.0 * compressive.powf(0.18),

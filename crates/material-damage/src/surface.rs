@@ -38,6 +38,10 @@ impl YieldState {
 pub struct PrincipalReturn<L> {
     /// Principal stresses on the surface (Pa), in falling order.
     pub stress: [L; 3],
+    /// Trial less returned principal stresses (Pa), computed from the excess and not as their
+    /// difference: small beside a large stress it keeps its digits, and single precision does not
+    /// drift.
+    pub loss: [L; 3],
     /// The number of the [`YieldState`].
     pub state: L,
 }
@@ -90,6 +94,8 @@ pub(crate) struct Flow<L: Lane> {
     pub(crate) axes: PrincipalAxes<L>,
     /// Principal stresses after the return (Pa).
     pub(crate) stress: [L; 3],
+    /// Principal trial stresses less those after the return (Pa).
+    loss: [L; 3],
     /// Principal increments of plastic strain, zero where nothing flowed.
     pub(crate) plastic: [L; 3],
     /// The number of the [`YieldState`].
@@ -117,13 +123,14 @@ impl<L: Lane> Flow<L> {
         let medium = surface.medium();
         let share = bound.constant(medium.poisson / (1.0 + medium.poisson));
         let compliance = bound.constant(0.5 / medium.shear());
-        let loss: [L; 3] = core::array::from_fn(|i| axes.values[i] - stress[i]);
+        let loss = returned.loss;
         let common = share * (loss[0] + loss[1] + loss[2]);
         let plastic = loss.map(|x| (compliance * (x - common)).select(yielded, zero));
         Some(Self {
             yielded,
             axes,
             stress,
+            loss,
             plastic,
             state: returned.state.select(yielded, zero),
         })
@@ -133,8 +140,7 @@ impl<L: Lane> Flow<L> {
     /// was elastic.
     #[inline(always)]
     pub(crate) fn stress_change(&self, elastic: &Stress<L>, initial: &Stress<L>) -> Stress<L> {
-        let difference = core::array::from_fn(|i| self.stress[i] - self.axes.values[i]);
-        let corrected = *elastic + Stress(self.axes.tensor(&difference));
+        let corrected = *elastic - Stress(self.axes.tensor(&self.loss));
         let replaced = Stress(self.axes.tensor(&self.stress)) - *initial;
         let first = elastic.0[0];
         let size = |values: &[L; 3]| values[0].abs().max(values[2].abs());

@@ -1,5 +1,6 @@
 //! The laws of the crate, one point at a time.
 
+mod consistency;
 mod driver;
 mod drucker_prager;
 mod lanes;
@@ -7,5 +8,6 @@ mod mazars;
 mod mohr_coulomb;
 mod packs;
 mod plastic_damage;
+mod precision;
 mod principal;
 mod random;

@@ -1,0 +1,116 @@
+//! What a material's numbers say about each other.
+
+use core::fmt;
+
+use crate::{MohrCoulomb, YieldSurface};
+
+/// Strengths that differ by more than this share are told.
+const NOTABLE: f64 = 0.05;
+/// Poisson's ratio above which elements lock and the stable step falls.
+const NEARLY_INCOMPRESSIBLE: f64 = 0.49;
+
+/// Something that a user should know of a valid material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Finding {
+    /// The tension cut-off lies beyond the apex and has no effect.
+    InactiveCutOff {
+        /// The listed tensile strength (Pa).
+        listed: f64,
+        /// The apex `c cot(phi)` (Pa).
+        apex: f64,
+        /// The uniaxial tensile stress at which the surface yields (Pa).
+        in_force: f64,
+    },
+    /// Uniaxial tension yields below the listed tensile strength, though the cut-off is active.
+    TensileStrength {
+        /// The listed strength (Pa).
+        listed: f64,
+        /// The uniaxial tensile stress at which the surface yields (Pa).
+        in_force: f64,
+    },
+    /// Cohesion and friction imply another uniaxial compressive strength than the listed one.
+    CompressiveStrength {
+        /// The listed strength (Pa).
+        listed: f64,
+        /// The uniaxial compressive stress at which the surface yields (Pa).
+        in_force: f64,
+    },
+    /// Poisson's ratio is so near 0.5 that elements lock and the stable step falls.
+    NearlyIncompressible {
+        /// Poisson's ratio.
+        poisson: f64,
+    },
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InactiveCutOff {
+                listed,
+                apex,
+                in_force,
+            } => write!(
+                f,
+                "the tensile strength of {listed:.4e} Pa lies beyond the apex c cot(phi) = \
+                 {apex:.4e} Pa and is without effect: uniaxial tension yields at {in_force:.4e} Pa"
+            ),
+            Self::TensileStrength { listed, in_force } => write!(
+                f,
+                "uniaxial tension yields at {in_force:.4e} Pa, below the listed {listed:.4e} Pa"
+            ),
+            Self::CompressiveStrength { listed, in_force } => write!(
+                f,
+                "cohesion and friction give a uniaxial compressive strength of {in_force:.4e} Pa, \
+                 not the listed {listed:.4e} Pa"
+            ),
+            Self::NearlyIncompressible { poisson } => write!(
+                f,
+                "Poisson's ratio {poisson} is nearly 0.5: elements lock and the stable step falls"
+            ),
+        }
+    }
+}
+
+impl MohrCoulomb {
+    /// What does not fit together, given the compressive strength that the material is listed
+    /// with (Pa), if one is.
+    ///
+    /// ```
+    /// use powerhouse_material_damage::{MohrCoulomb, presets};
+    ///
+    /// let rock = MohrCoulomb::new(presets::PAPER_ROCK)?;
+    /// for finding in rock.findings(Some(35.0e6)) {
+    ///     println!("{finding}");
+    /// }
+    /// assert_eq!(rock.findings(Some(35.0e6)).len(), 2);
+    /// # Ok::<(), powerhouse_material_damage::MaterialError>(())
+    /// ```
+    pub fn findings(&self, listed_compression: Option<f64>) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        let in_force = self.uniaxial_tension();
+        if let Some(listed) = self.parameters().tension_strength {
+            let apex = self.apex();
+            if listed > apex {
+                findings.push(Finding::InactiveCutOff {
+                    listed,
+                    apex,
+                    in_force,
+                });
+            } else if in_force < listed * (1.0 - NOTABLE) {
+                findings.push(Finding::TensileStrength { listed, in_force });
+            }
+        }
+        let in_force = self.uniaxial_compression();
+        if let Some(listed) = listed_compression
+            && (in_force - listed).abs() > NOTABLE * listed
+        {
+            findings.push(Finding::CompressiveStrength { listed, in_force });
+        }
+        let poisson = self.medium().poisson;
+        if poisson > NEARLY_INCOMPRESSIBLE {
+            findings.push(Finding::NearlyIncompressible { poisson });
+        }
+        findings
+    }
+}

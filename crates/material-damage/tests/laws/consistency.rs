@@ -1,0 +1,79 @@
+//! What the numbers of a material say about each other.
+
+use powerhouse_material_damage::{
+    Finding, MohrCoulomb, MohrCoulombParameters, YieldSurface, presets,
+};
+use powerhouse_model::ElasticMedium;
+
+/// The paper's rock and concrete are told to have cut-offs without effect and compressive
+/// strengths that their cohesion and friction do not give, with the numbers in force.
+#[test]
+fn the_papers_strengths_are_told_to_disagree() {
+    for (p, listed, expected) in [
+        (
+            presets::PAPER_ROCK,
+            35.0e6,
+            [1.3e6, 1.166143e6, 0.934980e6, 4.716677e6],
+        ),
+        (
+            presets::PAPER_CONCRETE,
+            16.7e6,
+            [1.27e6, 1.182909e6, 1.005864e6, 6.720590e6],
+        ),
+    ] {
+        let findings = MohrCoulomb::new(p).unwrap().findings(Some(listed));
+        let [
+            Finding::InactiveCutOff {
+                listed: tension,
+                apex,
+                in_force,
+            },
+            Finding::CompressiveStrength {
+                listed: compression,
+                in_force: implied,
+            },
+        ] = findings[..]
+        else {
+            panic!("{findings:?}");
+        };
+        assert_eq!(compression, listed);
+        for (found, expected) in [tension, apex, in_force, implied].into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1.0, "{found} {expected}");
+        }
+        assert!(findings[0].to_string().contains("without effect"));
+    }
+}
+
+/// A surface through two strengths has both and nothing to tell; one whose cut-off cuts little
+/// or whose medium hardly changes its volume is told.
+#[test]
+fn consistent_numbers_have_no_findings() {
+    let medium = ElasticMedium::new(25.0e9, 0.17, 2500.0).unwrap();
+    let p = MohrCoulombParameters::through_strengths(medium, 16.7e6, 1.27e6).unwrap();
+    let surface = MohrCoulomb::new(p).unwrap();
+    assert!((surface.uniaxial_compression() - 16.7e6).abs() < 1e-9 * 16.7e6);
+    assert!((surface.uniaxial_tension() - 1.27e6).abs() < 1e-9 * 1.27e6);
+    assert_eq!(surface.findings(Some(16.7e6)), []);
+    assert!(MohrCoulombParameters::through_strengths(medium, 1.0e6, 2.0e6).is_err());
+
+    let cut = MohrCoulombParameters {
+        tension_strength: Some(1.1e6),
+        ..presets::PAPER_ROCK
+    };
+    let findings = MohrCoulomb::new(cut).unwrap().findings(None);
+    assert!(
+        matches!(findings[..], [Finding::TensileStrength { .. }]),
+        "{findings:?}"
+    );
+    let medium = ElasticMedium {
+        poisson: 0.497,
+        ..medium
+    };
+    let soft = MohrCoulombParameters {
+        tension_strength: None,
+        medium,
+        ..presets::PAPER_ROCK
+    };
+    let findings = MohrCoulomb::new(soft).unwrap().findings(None);
+    assert_eq!(findings, [Finding::NearlyIncompressible { poisson: 0.497 }]);
+}
