@@ -3,6 +3,7 @@
 mod consistency;
 mod driver;
 mod drucker_prager;
+mod extremes;
 mod lanes;
 mod mazars;
 mod mohr_coulomb;

@@ -1,0 +1,89 @@
+//! Strains of every size, and none.
+
+use powerhouse_material_damage::{
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, PrincipalAxes, YieldSurface,
+    presets,
+};
+use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
+
+use crate::random::Random;
+
+fn respond(law: &impl ConstitutiveLaw, strain: [f64; 6]) -> (Stress, Vec<f64>) {
+    let old = vec![0.0; law.history().len()];
+    let mut new = old.clone();
+    let stress = law.stress_change(&LawInput::new(Strain(strain), &old), &mut new);
+    (stress, new)
+}
+
+/// Finite answers up to a strain of 1e130, and beyond it finite ones or ones that are seen not to
+/// be; the excess (Pa) is that of the effective stress.
+fn check(law: &impl ConstitutiveLaw, excess: impl Fn(&Stress, &[f64]) -> f64) {
+    let mut random = Random(41);
+    for exponent in [
+        -308, -300, -150, -20, -5, -3, 0, 20, 100, 130, 200, 280, 300,
+    ] {
+        for _ in 0..50 {
+            let strain = random.six().map(|x| x * 10.0_f64.powi(exponent));
+            let (stress, history) = respond(law, strain);
+            let finite = stress.0.iter().all(|s| s.is_finite());
+            assert!(finite || exponent > 130, "{}: 1e{exponent}", law.name());
+            if finite {
+                assert!(history.iter().all(|h| h.is_finite()), "1e{exponent}");
+                let size = stress.0.iter().fold(1.0e6_f64, |most, s| most.max(s.abs()));
+                let outside = excess(&stress, &history);
+                assert!(
+                    outside < 1e-11 * size,
+                    "1e{exponent}: {outside:e} of {size:e}"
+                );
+            }
+        }
+    }
+    let (stress, history) = respond(law, [0.0; 6]);
+    assert_eq!(
+        (stress, history.iter().sum::<f64>()),
+        (Stress([0.0; 6]), 0.0)
+    );
+    for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for place in 0..6 {
+            let mut strain = [1.0e-5; 6];
+            strain[place] = broken;
+            let (stress, _) = respond(law, strain);
+            assert!(
+                !stress.0.iter().all(|s| s.is_finite()),
+                "{broken} at {place}"
+            );
+        }
+    }
+}
+
+/// Drucker-Prager: strains of every size give an admissible stress or one that is not finite.
+#[test]
+fn drucker_prager_is_admissible_or_not_finite() {
+    for dilation in [0.0, 42.0] {
+        let cone = DruckerPrager::new(DruckerPragerParameters {
+            medium: presets::PAPER_ROCK.medium,
+            friction: 42.0,
+            dilation,
+            cohesion: 1.05e6,
+            fit: ConeFit::Inscribed,
+        })
+        .unwrap();
+        let law = ElastoPlastic::new(cone);
+        check(&law, |stress, _| {
+            cone.excess(&PrincipalAxes::of(stress).values)
+        });
+    }
+}
+
+/// Plasticity with damage: strains of every size give an admissible stress or one that is not
+/// finite.
+#[test]
+fn plastic_damage_is_admissible_or_not_finite() {
+    let law = presets::paper_concrete().unwrap();
+    let surface = law.parameters().surface;
+    check(&law, |stress, history| {
+        let effective = stress.0.map(|s| s / (1.0 - history[10]));
+        // Divided by at least a thousandth: so is the rounding.
+        1e-3 * surface.excess(&PrincipalAxes::of(&Stress(effective)).values)
+    });
+}
