@@ -97,7 +97,7 @@ fn meet(bricks: usize, wall: bool) -> Outcome<Meeting> {
     })
 }
 
-fn main() -> Outcome<ExitCode> {
+fn figures() -> Outcome<Figures> {
     let mut figures = Figures::default();
     let wave = (YOUNG / DENSITY).sqrt();
     for (name, wall) in [("bars", false), ("wall", true)] {
@@ -136,5 +136,18 @@ fn main() -> Outcome<ExitCode> {
             0.55,
         );
     }
-    Ok(figures.verdict())
+    Ok(figures)
+}
+
+fn main() -> Outcome<ExitCode> {
+    Ok(figures()?.verdict())
+}
+
+#[cfg(test)]
+mod tests {
+    /// Every figure meets its limit.
+    #[test]
+    fn figures_meet_their_limits() {
+        assert_eq!(super::figures().unwrap().missed(), 0);
+    }
 }

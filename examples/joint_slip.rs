@@ -255,9 +255,22 @@ fn block(figures: &mut Figures) -> Outcome<()> {
     Ok(())
 }
 
-fn main() -> Outcome<ExitCode> {
+fn figures() -> Outcome<Figures> {
     let mut figures = Figures::default();
     interface(&mut figures)?;
     block(&mut figures)?;
-    Ok(figures.verdict())
+    Ok(figures)
+}
+
+fn main() -> Outcome<ExitCode> {
+    Ok(figures()?.verdict())
+}
+
+#[cfg(test)]
+mod tests {
+    /// Every figure meets its limit.
+    #[test]
+    fn figures_meet_their_limits() {
+        assert_eq!(super::figures().unwrap().missed(), 0);
+    }
 }
