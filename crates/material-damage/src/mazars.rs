@@ -5,6 +5,7 @@ use powerhouse_model::{
 };
 
 use crate::softening::{damage_of, inverse_rate_in_total_strain};
+use crate::surface::mean_and_shear;
 use crate::{MaterialError, PrincipalAxes};
 
 /// Softening in tension of a [`Mazars`] law.
@@ -68,7 +69,8 @@ const HISTORY: [HistoryVariable; 4] = {
 /// `a_c = 1 - a_t`, where `e_t` is the elastic strain of the tensile principal stresses alone. The
 /// strain `e` includes that of the initial stress, `C^-1 sigma0`.
 ///
-/// History: the largest equivalent strain, `d_t`, `d_c` and `D`. There is no plastic strain:
+/// History: the largest equivalent strain (of steps in which the strain as a whole was above the
+/// threshold), `d_t`, `d_c` and `D`. There is no plastic strain:
 /// unloading goes to the origin. With the weights `D` may fall on paths between tension and
 /// compression. A strain that is not finite gives a stress that is not finite.
 ///
@@ -145,6 +147,18 @@ impl Mazars {
         }
     }
 
+    /// The norm of the strain of a stress: no equivalent strain is larger, and no principal values
+    /// are needed.
+    #[inline(always)]
+    fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
+        let (mean, shear) = mean_and_shear(stress);
+        let medium = &self.parameters.medium;
+        // sum e_i^2 = (p / K)^2 / 3 + J2 / 2 G^2
+        let volume = mean * mean.constant(1.0 / (3.0_f64.sqrt() * medium.bulk()));
+        let shape = shear * mean.constant(1.0 / (core::f64::consts::SQRT_2 * medium.shear()));
+        volume.mul_add(volume, shape * shape).sqrt()
+    }
+
     /// `1 / B` in tension for a width of the element (m).
     #[inline(always)]
     fn inverse_rate<L: Lane>(&self, size: L) -> L {
@@ -176,7 +190,14 @@ impl ConstitutiveLaw for Mazars {
         let number = |value: f64| first.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
         let change = Stress::elastic(number(self.lambda), number(self.shear), &input.strain);
-        let values = PrincipalAxes::of(&(input.initial + change)).values;
+        let total = input.initial + change;
+        new_history.copy_from_slice(old);
+        let sound = number(p.threshold);
+        let damaged = sound.less(self.bound(&total).max(old[EQUIVALENT]));
+        if !first.any(damaged) {
+            return change;
+        }
+        let values = PrincipalAxes::of(&total).values;
 
         // Principal strains times E, of all principal stresses and of the tensile ones.
         let (own, common) = (number(1.0 + p.medium.poisson), number(p.medium.poisson));
@@ -211,13 +232,18 @@ impl ConstitutiveLaw for Mazars {
         let rate = number(p.compression_rate);
         let broken = damage_of(reached, threshold, p.compression_share, rate, most);
         let damage = weight * torn + (one - weight) * broken;
-        new_history[EQUIVALENT] = reached;
-        new_history[DAMAGE_TENSION] = torn;
-        new_history[DAMAGE_COMPRESSION] = broken;
-        new_history[DAMAGE] = damage;
+        for (variable, value) in [
+            (EQUIVALENT, reached),
+            (DAMAGE_TENSION, torn),
+            (DAMAGE_COMPRESSION, broken),
+            (DAMAGE, damage),
+        ] {
+            new_history[variable] = value.select(damaged, old[variable]);
+        }
         let left = one - damage;
         Stress(core::array::from_fn(|i| {
-            left * change.0[i] - damage * input.initial.0[i]
+            let weakened = left * change.0[i] - damage * input.initial.0[i];
+            weakened.select(damaged, change.0[i])
         }))
     }
 }
