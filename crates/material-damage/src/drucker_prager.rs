@@ -1,9 +1,11 @@
 //! The cone of Drucker and Prager.
 
-use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
+use powerhouse_model::{ElasticMedium, Lane, Stress};
 
 use crate::MaterialError;
-use crate::surface::{PrincipalReturn, YieldState, YieldSurface, mean_and_shear, pick};
+use crate::surface::{
+    PrincipalReturn, YieldState, YieldSurface, check_frictional, mean_and_shear, pick,
+};
 
 /// To which stresses of Mohr and Coulomb the cone is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,13 +91,7 @@ impl DruckerPrager {
             cohesion,
             fit,
         } = parameters;
-        ElasticMedium::new(medium.young, medium.poisson, medium.density)?;
-        ParameterError::check("friction", friction, 0.0, 75.0)?;
-        ParameterError::check("dilation", dilation, 0.0, 75.0)?;
-        ParameterError::check("cohesion", cohesion, 0.0, 1.0e12)?;
-        if dilation > friction {
-            return Err(MaterialError::Dilation { dilation, friction });
-        }
+        check_frictional(&medium, friction, dilation, cohesion)?;
         let (sine, cosine) = friction.to_radians().sin_cos();
         let (flow, _) = cone(fit, dilation.to_radians().sin());
         let (slope, share) = match fit {

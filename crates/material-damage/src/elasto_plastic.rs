@@ -4,21 +4,8 @@ use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Strain, Stress,
 };
 
+use crate::history::{PLASTIC_STRAINS, number};
 use crate::surface::{Flow, YieldSurface};
-
-const fn variable(name: &'static str, unit: &'static str) -> HistoryVariable {
-    HistoryVariable { name, unit }
-}
-
-/// Plastic strains, engineering shears.
-pub(crate) const PLASTIC_STRAINS: [HistoryVariable; 6] = [
-    variable("plastic_strain_xx", "1"),
-    variable("plastic_strain_yy", "1"),
-    variable("plastic_strain_zz", "1"),
-    variable("plastic_strain_xy", "1"),
-    variable("plastic_strain_yz", "1"),
-    variable("plastic_strain_zx", "1"),
-];
 
 const EQUIVALENT: usize = 6;
 const YIELD_STATE: usize = 7;
@@ -31,8 +18,8 @@ const HISTORY: [HistoryVariable; 8] = {
         xy,
         yz,
         zx,
-        variable("equivalent_plastic_strain", "1"),
-        variable("yield_state", "1"),
+        number("equivalent_plastic_strain"),
+        number("yield_state"),
     ]
 };
 

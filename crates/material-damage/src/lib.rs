@@ -46,6 +46,7 @@ mod drucker_prager;
 mod elasto_plastic;
 mod error;
 mod exponential;
+mod history;
 mod linear_elastic;
 mod mazars;
 pub mod media;

@@ -4,6 +4,7 @@ use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, ParameterError, Stress,
 };
 
+use crate::history::number;
 use crate::softening::{damage_of, inverse_rate_in_total_strain};
 use crate::surface::mean_and_shear;
 use crate::{MaterialError, PrincipalAxes};
@@ -49,9 +50,6 @@ const DAMAGE_TENSION: usize = 1;
 const DAMAGE_COMPRESSION: usize = 2;
 const DAMAGE: usize = 3;
 const HISTORY: [HistoryVariable; 4] = {
-    const fn number(name: &'static str) -> HistoryVariable {
-        HistoryVariable { name, unit: "1" }
-    }
     [
         number("equivalent_strain"),
         number("damage_tension"),

@@ -3,7 +3,9 @@
 use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
 
 use crate::MaterialError;
-use crate::surface::{PrincipalReturn, YieldState, YieldSurface, mean_and_shear, pick};
+use crate::surface::{
+    PrincipalReturn, YieldState, YieldSurface, check_frictional, mean_and_shear, pick,
+};
 
 /// Without friction there is no apex: a surface without a cut-off ends at this many cohesions.
 const FRICTIONLESS_CUT_OFF: f64 = 1.0e3;
@@ -109,13 +111,7 @@ impl MohrCoulomb {
             cohesion,
             tension_strength,
         } = parameters;
-        ElasticMedium::new(medium.young, medium.poisson, medium.density)?;
-        ParameterError::check("friction", friction, 0.0, 75.0)?;
-        ParameterError::check("dilation", dilation, 0.0, 75.0)?;
-        ParameterError::check("cohesion", cohesion, 0.0, 1.0e12)?;
-        if dilation > friction {
-            return Err(MaterialError::Dilation { dilation, friction });
-        }
+        check_frictional(&medium, friction, dilation, cohesion)?;
         let ratio = passive_ratio(friction);
         let strength = 2.0 * cohesion * ratio.sqrt();
         let apex = (strength / (ratio - 1.0)).min(FRICTIONLESS_CUT_OFF * cohesion);

@@ -4,7 +4,7 @@ use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, ParameterError, Strain, Stress,
 };
 
-use crate::elasto_plastic::PLASTIC_STRAINS;
+use crate::history::{PLASTIC_STRAINS, number};
 use crate::softening::DamageCurve;
 use crate::surface::{Flow, YieldSurface};
 use crate::{MaterialError, PrincipalAxes, Softening};
@@ -35,9 +35,6 @@ const DAMAGE: usize = 10;
 const DAMAGE_TYPE: usize = 11;
 const YIELD_STATE: usize = 12;
 const HISTORY: [HistoryVariable; 13] = {
-    const fn number(name: &'static str) -> HistoryVariable {
-        HistoryVariable { name, unit: "1" }
-    }
     let [xx, yy, zz, xy, yz, zx] = PLASTIC_STRAINS;
     [
         xx,

@@ -1,8 +1,8 @@
 //! What a yield surface says, and how a trial stress flows back to it.
 
-use powerhouse_model::{ElasticMedium, Lane, Stress};
+use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
 
-use crate::PrincipalAxes;
+use crate::{MaterialError, PrincipalAxes};
 
 /// A trial stress further out than this many times the returned one is not corrected but
 /// replaced: the correction would carry the rounding of the trial.
@@ -73,6 +73,24 @@ pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
     /// Principal plastic strains of uniaxial compression along the third axis, scaled to a third
     /// of minus one.
     fn flow_in_uniaxial_compression(&self) -> [f64; 3];
+}
+
+/// Accepts a medium, angles of friction and dilation (degrees), the second not above the first, and
+/// a cohesion (Pa).
+pub(crate) fn check_frictional(
+    medium: &ElasticMedium,
+    friction: f64,
+    dilation: f64,
+    cohesion: f64,
+) -> Result<(), MaterialError> {
+    ElasticMedium::new(medium.young, medium.poisson, medium.density)?;
+    ParameterError::check("friction", friction, 0.0, 75.0)?;
+    ParameterError::check("dilation", dilation, 0.0, 75.0)?;
+    ParameterError::check("cohesion", cohesion, 0.0, 1.0e12)?;
+    if dilation > friction {
+        return Err(MaterialError::Dilation { dilation, friction });
+    }
+    Ok(())
 }
 
 /// Mean stress and the square root of the second invariant of the deviator (Pa).

@@ -31,6 +31,25 @@ fn with_shear(normal: f64, trial: &Vec3, shear: f64, strength: f64) -> Vec3 {
     Vec3::new(normal, trial.y * share, trial.z * share)
 }
 
+/// The state of a pair before anything has happened: bonded if one of the strengths (Pa) is above
+/// zero.
+fn at_rest(cohesion: f64, tensile_strength: f64) -> JointState {
+    let bonded = cohesion > 0.0 || tensile_strength > 0.0;
+    JointState {
+        bond: if bonded { Bond::Intact } else { Bond::Never },
+        ..JointState::default()
+    }
+}
+
+/// What a bond is once its strength is exceeded: broken, if there ever was one.
+#[inline(always)]
+fn failed(bond: Bond) -> Bond {
+    match bond {
+        Bond::Never => Bond::Never,
+        Bond::Intact | Bond::Broken => Bond::Broken,
+    }
+}
+
 /// No traction: the sides part.
 #[inline(always)]
 fn opened(bond: Bond, state: &JointState) -> (Vec3, JointState) {

@@ -2,7 +2,7 @@
 
 use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, ParameterError, Vec3};
 
-use super::{check_friction, check_strength, opened, shear, with_shear};
+use super::{at_rest, check_friction, check_strength, failed, opened, shear, with_shear};
 
 /// Parameters of [`Paper`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,21 +57,13 @@ impl ContactLaw for Paper {
         "paper"
     }
     fn initial(&self) -> JointState {
-        let bonded = self.0.cohesion > 0.0 || self.0.tensile_strength > 0.0;
-        let bond = if bonded { Bond::Intact } else { Bond::Never };
-        JointState {
-            bond,
-            ..JointState::default()
-        }
+        at_rest(self.0.cohesion, self.0.tensile_strength)
     }
     #[inline(always)]
     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
         let law = &self.0;
         let normal = trial.x;
-        let after_failure = match state.bond {
-            Bond::Never => Bond::Never,
-            Bond::Intact | Bond::Broken => Bond::Broken,
-        };
+        let after_failure = failed(state.bond);
         if normal > 0.0 {
             let carries = state.contact != ContactState::Open && normal <= law.tensile_strength;
             if !carries {

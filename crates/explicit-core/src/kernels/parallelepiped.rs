@@ -7,12 +7,11 @@ use powerhouse_model::{
 
 use super::hex8_one_point::Hex8OnePoint;
 use super::hexahedron;
-use super::vectors::{dot, outer_sum, product, scaled, strain_of, stress_matrix};
+use super::vectors::{dot, linear_gradients, outer_sum, scaled, strain_of, uniform_forces};
 use crate::block::coordinate_rounding;
 use crate::{BlockFactory, BlockOptions, BlockPart, solid};
 
-/// Where the numbers of an element begin: `g_k / V` of the linear modes.
-const GRADIENTS: usize = 0;
+/// Behind `g_k / V` of the linear modes.
 const VOLUME: usize = 9;
 /// `c / (lambda + 2 G)`.
 const RESISTANCE: usize = 10;
@@ -40,8 +39,7 @@ impl ElementKernel<8, 1> for Parallelepiped {
         let g = [x[1].cross(&x[2]), x[2].cross(&x[0]), x[0].cross(&x[1])];
         let volume = 8.0 * x[0].dot(&g[0]);
         for k in 0..3 {
-            let at = GRADIENTS + 3 * k;
-            out[at..at + 3].copy_from_slice((g[k] / volume).as_slice());
+            out[3 * k..3 * k + 3].copy_from_slice((g[k] / volume).as_slice());
         }
         let squares: f64 = g.iter().map(Vec3::norm_squared).sum();
         out[VOLUME] = volume;
@@ -64,7 +62,7 @@ impl ElementKernel<8, 1> for Parallelepiped {
     }
     #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 1] {
-        let gradient = outer_sum([modes[1], modes[2], modes[3]], gradients(&geometry));
+        let gradient = outer_sum([modes[1], modes[2], modes[3]], linear_gradients(&geometry));
         [strain_of(&gradient)]
     }
     #[inline(always)]
@@ -75,18 +73,14 @@ impl ElementKernel<8, 1> for Parallelepiped {
         modulus: L,
         modes: &[[L; 3]; 8],
     ) -> [[L; 3]; 8] {
-        let volume = geometry.get(VOLUME);
-        let mut stress = stress_matrix(&stresses[0]);
-        for i in 0..3 {
-            stress[i] = scaled(stress[i], volume);
-        }
-        let g = gradients(&geometry);
+        let gradients = linear_gradients(&geometry);
+        let [f1, f2, f3] = uniform_forces(&stresses[0], geometry.get(VOLUME), gradients);
         let resistance = modulus * geometry.get(RESISTANCE);
         [
             [geometry.constant(0.0); 3],
-            product(&stress, g[0]),
-            product(&stress, g[1]),
-            product(&stress, g[2]),
+            f1,
+            f2,
+            f3,
             scaled(modes[4], resistance),
             scaled(modes[5], resistance),
             scaled(modes[6], resistance),
@@ -105,15 +99,6 @@ impl ElementKernel<8, 1> for Parallelepiped {
         let half = geometry.constant(0.5);
         Some(half * modulus * geometry.get(RESISTANCE) * squares)
     }
-}
-
-#[inline(always)]
-fn gradients<L: Lane>(geometry: &Geometry<L>) -> [[L; 3]; 3] {
-    [
-        geometry.vector(GRADIENTS),
-        geometry.vector(GRADIENTS + 3),
-        geometry.vector(GRADIENTS + 6),
-    ]
 }
 
 /// Whether opposite sides are parallel, to the rounding of the coordinates.

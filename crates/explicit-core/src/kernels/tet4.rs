@@ -2,7 +2,7 @@
 
 use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
 
-use super::vectors::{difference, outer_sum, product, scaled, strain_of, stress_matrix, sum};
+use super::vectors::{difference, linear_gradients, outer_sum, strain_of, sum, uniform_forces};
 
 const VOLUME: usize = 9;
 
@@ -58,7 +58,7 @@ impl ElementKernel<4, 1> for Tet4 {
     }
     #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 4]) -> [Strain<L>; 1] {
-        let gradients = [geometry.vector(0), geometry.vector(3), geometry.vector(6)];
+        let gradients = linear_gradients(&geometry);
         let gradient = outer_sum([modes[1], modes[2], modes[3]], gradients);
         [strain_of(&gradient)]
     }
@@ -70,16 +70,8 @@ impl ElementKernel<4, 1> for Tet4 {
         _modulus: L,
         _modes: &[[L; 3]; 4],
     ) -> [[L; 3]; 4] {
-        let volume = geometry.get(VOLUME);
-        let mut stress = stress_matrix(&stresses[0]);
-        for i in 0..3 {
-            stress[i] = scaled(stress[i], volume);
-        }
-        [
-            [geometry.constant(0.0); 3],
-            product(&stress, geometry.vector(0)),
-            product(&stress, geometry.vector(3)),
-            product(&stress, geometry.vector(6)),
-        ]
+        let gradients = linear_gradients(&geometry);
+        let [f1, f2, f3] = uniform_forces(&stresses[0], geometry.get(VOLUME), gradients);
+        [[geometry.constant(0.0); 3], f1, f2, f3]
     }
 }

@@ -1,6 +1,6 @@
 //! Small vector algebra on lanes.
 
-use powerhouse_model::{Lane, Strain, Stress};
+use powerhouse_model::{Geometry, Lane, Strain, Stress};
 
 /// `a + b`.
 #[inline(always)]
@@ -89,6 +89,26 @@ pub(super) fn outer_sum<L: Lane, const K: usize>(a: [[L; 3]; K], b: [[L; 3]; K])
         }
     }
     matrix
+}
+
+/// The gradients of three linear modes, which the numbers of an element begin with.
+#[inline(always)]
+pub(super) fn linear_gradients<L: Lane>(geometry: &Geometry<L>) -> Matrix<L> {
+    [geometry.vector(0), geometry.vector(3), geometry.vector(6)]
+}
+
+/// Forces on three linear modes under a uniform stress: `V sigma g_k`.
+#[inline(always)]
+pub(super) fn uniform_forces<L: Lane>(
+    stress: &Stress<L>,
+    volume: L,
+    gradients: Matrix<L>,
+) -> Matrix<L> {
+    let mut stress = stress_matrix(stress);
+    for i in 0..3 {
+        stress[i] = scaled(stress[i], volume);
+    }
+    gradients.map(|gradient| product(&stress, gradient))
 }
 
 /// The stress as a matrix.
