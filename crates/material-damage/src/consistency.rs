@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::{MohrCoulomb, YieldSurface};
+use crate::{MohrCoulomb, TwoSurface, YieldSurface};
 
 /// Strengths that differ by more than this share are told.
 const NOTABLE: f64 = 0.05;
@@ -36,6 +36,13 @@ pub enum Finding {
         /// The uniaxial compressive stress at which the surface yields (Pa).
         in_force: f64,
     },
+    /// The listed cohesion bears less under confinement than the listed strength does without.
+    Cohesion {
+        /// The listed cohesion (Pa).
+        listed: f64,
+        /// The cohesion in force under confinement (Pa).
+        in_force: f64,
+    },
     /// Poisson's ratio is so near 0.5 that elements lock and the stable step falls.
     NearlyIncompressible {
         /// Poisson's ratio.
@@ -63,6 +70,11 @@ impl fmt::Display for Finding {
                 f,
                 "cohesion and friction give a uniaxial compressive strength of {in_force:.4e} Pa, \
                  not the listed {listed:.4e} Pa"
+            ),
+            Self::Cohesion { listed, in_force } => write!(
+                f,
+                "the compressive strength demands a cohesion of {in_force:.4e} Pa under \
+                 confinement, not the listed {listed:.4e} Pa"
             ),
             Self::NearlyIncompressible { poisson } => write!(
                 f,
@@ -107,10 +119,31 @@ impl MohrCoulomb {
         {
             findings.push(Finding::CompressiveStrength { listed, in_force });
         }
-        let poisson = self.medium().poisson;
-        if poisson > NEARLY_INCOMPRESSIBLE {
-            findings.push(Finding::NearlyIncompressible { poisson });
-        }
+        findings.extend(nearly_incompressible(self));
         findings
     }
+}
+
+impl TwoSurface {
+    /// What does not fit together.
+    ///
+    /// ```
+    /// use powerhouse_material_damage::{TwoSurface, presets};
+    ///
+    /// let concrete = TwoSurface::new(presets::PAPER_CONCRETE_LISTED)?;
+    /// println!("{}", concrete.findings()[0]);
+    /// # Ok::<(), powerhouse_material_damage::MaterialError>(())
+    /// ```
+    pub fn findings(&self) -> Vec<Finding> {
+        let (listed, in_force) = (self.parameters().cohesion, self.cohesion());
+        let differs = listed < in_force * (1.0 - NOTABLE);
+        let cohesion = differs.then_some(Finding::Cohesion { listed, in_force });
+        let all = cohesion.into_iter().chain(nearly_incompressible(self));
+        all.collect()
+    }
+}
+
+fn nearly_incompressible(surface: &impl YieldSurface) -> Option<Finding> {
+    let poisson = surface.medium().poisson;
+    (poisson > NEARLY_INCOMPRESSIBLE).then_some(Finding::NearlyIncompressible { poisson })
 }

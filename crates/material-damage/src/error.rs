@@ -18,6 +18,14 @@ pub enum MaterialError {
         /// Friction angle (degrees).
         friction: f64,
     },
+    /// Uniaxial strengths between which a plane of friction has no place.
+    #[error("f_c / f_t = {ratio} is not above N = {least} of the friction, or above 1e6")]
+    StrengthRatio {
+        /// Compressive over tensile strength.
+        ratio: f64,
+        /// `(1 + sin phi) / (1 - sin phi)`.
+        least: f64,
+    },
     /// An element so wide that its elastic energy at the peak exceeds what the crack may take.
     #[error("an element of {size} m snaps back: at most {largest} m dissipate the fracture energy")]
     SnapBack {

@@ -9,7 +9,8 @@
 //! | [`LinearElastic`] | elastic medium | none | no strength |
 //! | [`ElastoPlastic`] of [`MohrCoulomb`] | friction, dilation, cohesion, cut-off | 8: plastic strain, equivalent plastic strain, yield state | perfectly plastic |
 //! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only |
-//! | [`PlasticDamage`] of either surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions |
+//! | [`ElastoPlastic`] of [`TwoSurface`] | friction, dilation, cohesion, both uniaxial strengths | the same 8 | perfectly plastic; `f_c / f_t` above `N` |
+//! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions |
 //! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) |
 //!
 //! [`presets`] hold published materials, [`MohrCoulomb::findings`] tells what does not fit together
@@ -51,11 +52,13 @@ mod linear_elastic;
 mod mazars;
 pub mod media;
 mod mohr_coulomb;
+mod planes;
 mod plastic_damage;
 pub mod presets;
 mod principal;
 mod softening;
 mod surface;
+mod two_surface;
 
 pub use consistency::Finding;
 pub use driver::{Control, PointDriver, PointRecord};
@@ -69,3 +72,4 @@ pub use plastic_damage::{Dissipation, PlasticDamage, PlasticDamageParameters};
 pub use principal::PrincipalAxes;
 pub use softening::Softening;
 pub use surface::{PrincipalReturn, YieldState, YieldSurface};
+pub use two_surface::{TwoSurface, TwoSurfaceParameters};

@@ -3,9 +3,8 @@
 use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
 
 use crate::MaterialError;
-use crate::surface::{
-    PrincipalReturn, YieldState, YieldSurface, check_frictional, mean_and_shear, pick,
-};
+use crate::planes::{Nearest, ShearPlane};
+use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, mean_and_shear};
 
 /// Without friction there is no apex: a surface without a cut-off ends at this many cohesions.
 const FRICTIONLESS_CUT_OFF: f64 = 1.0e3;
@@ -78,22 +77,16 @@ impl MohrCoulombParameters {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulomb {
     parameters: MohrCoulombParameters,
-    /// `N`.
-    friction: f64,
-    /// `m`.
-    dilation: f64,
-    /// `2 c sqrt(N)`, the uniaxial compressive strength (Pa).
-    strength: f64,
+    /// Of `N`, `m` and the uniaxial compressive strength `2 c sqrt(N)`.
+    plane: ShearPlane,
     /// The cut-off in force, `T` (Pa).
     tension: f64,
-    /// Norm of the deviatoric part of `(N, 0, -1)`.
-    steepness: f64,
     /// `lambda / 2G`.
     volumetric: f64,
 }
 
 /// `(1 + sin x) / (1 - sin x)` of an angle in degrees.
-fn passive_ratio(angle: f64) -> f64 {
+pub(crate) fn passive_ratio(angle: f64) -> f64 {
     let sine = angle.to_radians().sin();
     (1.0 + sine) / (1.0 - sine)
 }
@@ -124,11 +117,8 @@ impl MohrCoulomb {
         };
         Ok(Self {
             parameters,
-            friction: ratio,
-            dilation: passive_ratio(dilation),
-            strength,
+            plane: ShearPlane::new(ratio, passive_ratio(dilation), strength),
             tension,
-            steepness: (ratio * ratio + 1.0 - (ratio - 1.0).powi(2) / 3.0).sqrt(),
             volumetric: medium.poisson / (1.0 - 2.0 * medium.poisson),
         })
     }
@@ -149,38 +139,6 @@ impl MohrCoulomb {
     }
 }
 
-/// The face, edge or corner that violates the conditions of a return least.
-struct Best<L> {
-    violation: L,
-    stress: [L; 3],
-    loss: [L; 3],
-    state: L,
-}
-
-impl<L: Lane> Best<L> {
-    /// Takes a candidate, with its `loss` against the trial, if it is better; `conditions` are
-    /// not positive where it is right (Pa).
-    #[inline(always)]
-    fn offer<const C: usize>(
-        &mut self,
-        state: YieldState,
-        stress: [L; 3],
-        loss: [L; 3],
-        conditions: [L; C],
-    ) {
-        let violation = conditions
-            .into_iter()
-            .reduce(Lane::max)
-            .unwrap_or(self.violation);
-        let better = violation.less(self.violation);
-        self.violation = violation.select(better, self.violation);
-        self.stress = pick(better, &stress, &self.stress);
-        self.loss = pick(better, &loss, &self.loss);
-        let number = self.state.constant(state.number());
-        self.state = number.select(better, self.state);
-    }
-}
-
 impl YieldSurface for MohrCoulomb {
     fn name(&self) -> &str {
         "mohr-coulomb"
@@ -189,179 +147,46 @@ impl YieldSurface for MohrCoulomb {
         self.parameters.medium
     }
 
-    /// The greatest `a . d` over deviators `d` of one size is the size times the deviatoric norm
-    /// of `a`; the greatest principal deviator is `2 sqrt(J2 / 3)`.
+    /// The greatest principal deviator is `2 sqrt(J2 / 3)`.
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
         let (mean, shear) = mean_and_shear(stress);
         let number = |value: f64| mean.constant(value);
-        let steepness = number(self.steepness * core::f64::consts::SQRT_2);
-        let slope = number(self.friction - 1.0);
-        let in_shear = slope.mul_add(mean, steepness.mul_add(shear, number(-self.strength)));
         let reach = number(2.0 / 3.0_f64.sqrt());
         let in_tension = reach.mul_add(shear, mean - number(self.tension));
-        in_shear.max(in_tension)
+        self.plane.bound(mean, shear).max(in_tension)
     }
 
     #[inline(always)]
     fn excess<L: Lane>(&self, &[s1, _, s3]: &[L; 3]) -> L {
-        let shear = s1.constant(self.friction) * s1 - s3 - s1.constant(self.strength);
-        shear.max(s1 - s1.constant(self.tension))
+        let tension = s1 - s1.constant(self.tension);
+        self.plane.excess(s1, s3).max(tension)
     }
 
-    /// Plastic strains are written as `x = 2G e` (Pa): `trial - returned = x + r (x1 + x2 + x3)`
-    /// with `r = lambda / 2G`. A point on a shear face or edge is placed by its greatest stress.
     #[inline(always)]
-    fn return_principal<L: Lane>(&self, &[s1, s2, s3]: &[L; 3]) -> PrincipalReturn<L> {
-        use YieldState::{Both, Shear, Tension};
-        let number = |value: f64| s1.constant(value);
-        let (n, m, r) = (self.friction, self.dilation, self.volumetric);
-        let strength = number(self.strength);
-        let friction = number(n);
-        let dilation = number(m);
-        let tension = number(self.tension);
-        let half = number(0.5);
-        // The least stress where shear face and cut-off meet.
-        let meeting = number(n * self.tension - self.strength);
-        // Change of mean stress for a unit of shear flow, x = (m, 0, -1).
-        let dilated = r * (m - 1.0);
-        let swelling = number(dilated);
-        let volumetric = number(r);
-
-        // Tension corner: all three at the cut-off.
-        let over = [s1 - tension, s2 - tension, s3 - tension];
-        let all = number(1.0 / (1.0 + 3.0 * r));
-        let common = volumetric * all * (over[0] + over[1] + over[2]);
-        let mut best = Best {
-            violation: number(f64::INFINITY),
-            stress: [tension; 3],
-            loss: over,
-            state: number(Tension.number()),
-        };
-        best.offer(Tension, [tension; 3], over, [common - over[2]]);
-
-        // Shear face.
-        let excess = friction * s1 - s3 - strength;
-        let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 1.0));
-        let swollen = swelling * flow;
-        let loss = [(dilation + swelling) * flow, swollen, swollen - flow];
-        let (greatest, middle) = (s1 - loss[0], s2 - loss[1]);
-        let least = friction * greatest - strength;
-        let below = least - middle;
-        best.offer(
-            Shear,
-            [greatest, middle, least],
-            loss,
-            [-excess, middle - greatest, below, greatest - tension],
-        );
-
-        // Edge of equal greater stresses: x1 + x2 = m g, x1 - x2 = s1 - s2, x3 = -g.
-        let apart = half * (s1 - s2);
-        let mean = half * (s1 + s2);
-        let excess = friction * mean - s3 - strength;
-        let flow = excess * number(1.0 / ((n - 1.0) * dilated + 0.5 * n * m + 1.0));
-        let lowered = (half * dilation + swelling) * flow;
-        let greatest = mean - lowered;
-        let least = friction * greatest - strength;
-        best.offer(
-            Shear,
-            [greatest, greatest, least],
-            [lowered + apart, lowered - apart, swelling * flow - flow],
-            [s1 - s2 - dilation * flow, greatest - tension],
-        );
-
-        // Edge of equal lesser stresses: x1 = m g, x2 + x3 = -g, x2 - x3 = s2 - s3.
-        let apart = half * (s2 - s3);
-        let mean = half * (s2 + s3);
-        let excess = friction * s1 - mean - strength;
-        let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 0.5));
-        let lowered = (dilation + swelling) * flow;
-        let raised = (swelling - half) * flow;
-        let greatest = s1 - lowered;
-        let least = friction * greatest - strength;
-        best.offer(
-            Shear,
-            [greatest, least, least],
-            [lowered, raised + apart, raised - apart],
-            [s2 - s3 - flow, greatest - tension],
-        );
-
-        // Tension face: x2 = x3 = 0.
-        let common = over[0] * number(r / (1.0 + r));
-        let (middle, least) = (s2 - common, s3 - common);
-        best.offer(
-            Tension,
-            [tension, middle, least],
-            [over[0], common, common],
-            [-over[0], middle - tension, meeting - least],
-        );
-
-        // Tension edge: x3 = 0.
-        let pair = number(r / (1.0 + 2.0 * r));
-        let common = pair * (over[0] + over[1]);
-        let least = s3 - common;
-        best.offer(
-            Tension,
-            [tension, tension, least],
-            [over[0], over[1], common],
-            [common - over[1], least - tension, meeting - least],
-        );
-
-        // Where the shear face meets the cut-off: x2 = 0.
-        let below = [s2 - meeting, s3 - meeting];
-        let common = pair * (over[0] + below[1]);
-        let (x1, x3) = (over[0] - common, below[1] - common);
-        let middle = s2 - common;
-        let too_low = meeting - middle;
-        best.offer(
-            Both,
-            [tension, middle, meeting],
-            [over[0], common, below[1]],
-            [x3, -(x1 + dilation * x3), middle - tension, too_low],
-        );
-
-        // Its end with equal greater stresses.
-        let common = volumetric * all * (over[0] + over[1] + below[1]);
-        let (x1, x2, x3) = (over[0] - common, over[1] - common, below[1] - common);
-        best.offer(
-            Both,
-            [tension, tension, meeting],
-            [over[0], over[1], below[1]],
-            [x3, -x2, -(x1 + x2 + dilation * x3)],
-        );
-
-        // Its end with equal lesser stresses.
-        let common = volumetric * all * (over[0] + below[0] + below[1]);
-        let (x1, x2, x3) = (over[0] - common, below[0] - common, below[1] - common);
-        best.offer(
-            Both,
-            [tension, meeting, meeting],
-            [over[0], below[0], below[1]],
-            [x2, -(x1 + dilation * (x2 + x3))],
-        );
-
-        PrincipalReturn {
-            stress: best.stress,
-            loss: best.loss,
-            state: best.state,
-        }
+    fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L> {
+        let mut nearest = Nearest::new(trial, self.volumetric, self.tension);
+        nearest.offer_shear(&self.plane, None, self.tension);
+        nearest.offer_cut_off(&self.plane);
+        nearest.offer_meeting(&self.plane);
+        nearest.found()
     }
 
     fn uniaxial_tension(&self) -> f64 {
-        self.tension.min(self.strength / self.friction)
+        self.tension.min(self.plane.strength / self.plane.friction)
     }
     fn uniaxial_compression(&self) -> f64 {
-        self.strength
+        self.plane.strength
     }
     fn flow_in_uniaxial_tension(&self) -> [f64; 3] {
-        if self.tension <= self.strength / self.friction {
+        if self.tension <= self.plane.strength / self.plane.friction {
             return [1.0, 0.0, 0.0];
         }
-        let lateral = -0.5 / self.dilation;
+        let lateral = -0.5 / self.plane.dilation;
         [1.0, lateral, lateral]
     }
     fn flow_in_uniaxial_compression(&self) -> [f64; 3] {
-        let lateral = 0.5 * self.dilation;
+        let lateral = 0.5 * self.plane.dilation;
         [lateral, lateral, -1.0]
     }
 }

@@ -4,7 +4,7 @@ use powerhouse_model::{ElasticMedium, ParameterError};
 
 use crate::{
     MaterialError, MazarsParameters, MazarsTension, MohrCoulomb, MohrCoulombParameters,
-    PlasticDamage, PlasticDamageParameters, Softening, media,
+    PlasticDamage, PlasticDamageParameters, Softening, TwoSurfaceParameters, media,
 };
 
 /// The rock of the paper: phi 42 degrees, c 1.05 MPa, dilation zero (the paper gives none).
@@ -36,6 +36,34 @@ pub const PAPER_CONCRETE: MohrCoulombParameters = MohrCoulombParameters {
     dilation: 0.0,
     cohesion: 1.3e6,
     tension_strength: Some(1.27e6),
+};
+
+/// The concrete of the paper with its listed strengths in force: 1.27 MPa in uniaxial tension, 16.7
+/// MPa in uniaxial compression, and phi 47.7 degrees under confinement, dilation zero. The listed
+/// cohesion of 1.3 MPa is below what these demand, 3.23 MPa, which is in force.
+///
+/// Source: Wang, Chen & Xiao (2019), Table 1.
+pub const PAPER_CONCRETE_LISTED: TwoSurfaceParameters = TwoSurfaceParameters {
+    medium: media::CONCRETE,
+    friction: 47.7,
+    dilation: 0.0,
+    cohesion: 1.3e6,
+    tension_strength: 1.27e6,
+    compression_strength: 16.7e6,
+};
+
+/// The rock of the paper with its listed strengths in force: 1.3 MPa in uniaxial tension, 35 MPa in
+/// uniaxial compression, and phi 42 degrees under confinement, dilation zero. The listed cohesion
+/// of 1.05 MPa is below what these demand, 7.79 MPa, which is in force.
+///
+/// Source: Wang, Chen & Xiao (2019), Table 1.
+pub const PAPER_ROCK_LISTED: TwoSurfaceParameters = TwoSurfaceParameters {
+    medium: media::ROCK,
+    friction: 42.0,
+    dilation: 0.0,
+    cohesion: 1.05e6,
+    tension_strength: 1.3e6,
+    compression_strength: 35.0e6,
 };
 
 /// The plastic-damage concrete of the paper, C25: [`PAPER_CONCRETE`] with Eq. (25).

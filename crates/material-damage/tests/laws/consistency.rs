@@ -1,7 +1,8 @@
 //! What the numbers of a material say about each other.
 
 use powerhouse_material_damage::{
-    Finding, MohrCoulomb, MohrCoulombParameters, YieldSurface, presets,
+    Finding, MohrCoulomb, MohrCoulombParameters, TwoSurface, TwoSurfaceParameters, YieldSurface,
+    presets,
 };
 use powerhouse_model::ElasticMedium;
 
@@ -76,4 +77,29 @@ fn consistent_numbers_have_no_findings() {
     };
     let findings = MohrCoulomb::new(soft).unwrap().findings(None);
     assert_eq!(findings, [Finding::NearlyIncompressible { poisson: 0.497 }]);
+}
+
+/// The surface of listed strengths tells of a cohesion that cannot be kept, and of none that can.
+#[test]
+fn a_cohesion_out_of_force_is_told() {
+    let n: f64 = 6.678_793;
+    for (p, expected) in [
+        (presets::PAPER_CONCRETE_LISTED, 0.5 * 16.7e6 / n.sqrt()),
+        (presets::PAPER_ROCK_LISTED, 7.79149e6),
+    ] {
+        let findings = TwoSurface::new(p).unwrap().findings();
+        let [Finding::Cohesion { listed, in_force }] = findings[..] else {
+            panic!("{findings:?}");
+        };
+        assert_eq!(listed, p.cohesion);
+        assert!(
+            (in_force / expected - 1.0).abs() < 1e-3,
+            "{in_force} {expected}"
+        );
+        let kept = TwoSurfaceParameters {
+            cohesion: 1.01 * in_force,
+            ..p
+        };
+        assert_eq!(TwoSurface::new(kept).unwrap().findings(), []);
+    }
 }

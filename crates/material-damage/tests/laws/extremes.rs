@@ -1,8 +1,8 @@
 //! Strains of every size, and none.
 
 use powerhouse_material_damage::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, PrincipalAxes, YieldSurface,
-    presets,
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, PrincipalAxes, TwoSurface,
+    YieldSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
@@ -73,6 +73,17 @@ fn drucker_prager_is_admissible_or_not_finite() {
             cone.excess(&PrincipalAxes::of(stress).values)
         });
     }
+}
+
+/// The surface of listed strengths: strains of every size give an admissible stress or one that is
+/// not finite.
+#[test]
+fn two_surface_is_admissible_or_not_finite() {
+    let surface = TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap();
+    check(&ElastoPlastic::new(surface), |stress, _| {
+        // The yield function is scaled by the ratio of the strengths.
+        surface.excess(&PrincipalAxes::of(stress).values) / 13.0
+    });
 }
 
 /// Plasticity with damage: strains of every size give an admissible stress or one that is not

@@ -2,7 +2,7 @@
 
 use powerhouse_material_damage::{
     ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, Mazars, MohrCoulomb,
-    MohrCoulombParameters, presets,
+    MohrCoulombParameters, TwoSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 
@@ -97,6 +97,15 @@ fn drucker_prager_is_the_same_wide_and_scalar() {
     let law = ElastoPlastic::new(DruckerPrager::new(p).unwrap());
     same_bits::<f64, _>(&law, 1.0e-3);
     same_bits::<f32, _>(&law, 1.0e-3);
+}
+
+/// The surface of listed strengths: many points at once are the same bits as one at a time, in
+/// both precisions.
+#[test]
+fn two_surface_is_the_same_wide_and_scalar() {
+    let law = ElastoPlastic::new(TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap());
+    same_bits::<f64, _>(&law, 3.0e-4);
+    same_bits::<f32, _>(&law, 3.0e-4);
 }
 
 /// Plasticity with damage: many points at once are the same bits as one at a time, in both

@@ -3,6 +3,7 @@
 mod consistency;
 mod driver;
 mod drucker_prager;
+mod exhaustive;
 mod extremes;
 mod lanes;
 mod mazars;
@@ -12,3 +13,4 @@ mod plastic_damage;
 mod precision;
 mod principal;
 mod random;
+mod two_surface;

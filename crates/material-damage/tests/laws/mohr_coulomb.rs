@@ -1,11 +1,12 @@
 //! The surface of Mohr and Coulomb and its law.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use powerhouse_material_damage::{
     ElastoPlastic, MaterialError, MohrCoulomb, MohrCoulombParameters, YieldSurface, media, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
+use crate::exhaustive::{Face, cut_off_faces, passive_ratio, search, shear_faces};
 use crate::random::Random;
 
 /// The rock of the reference table: E 9 GPa, nu 0.27, phi 42 degrees, c 1.05 MPa.
@@ -80,98 +81,12 @@ fn returns_agree_with_the_reference_table() {
     }
 }
 
-/// All faces of the surface in unsorted principal stresses: normal, flow, offset of
-/// `normal . s <= offset`.
-fn faces(p: &MohrCoulombParameters) -> Vec<(Vector3<f64>, Vector3<f64>, f64)> {
-    let ratio = |angle: f64| {
-        (std::f64::consts::FRAC_PI_4 + 0.5 * angle.to_radians())
-            .tan()
-            .powi(2)
-    };
-    let (n, m) = (ratio(p.friction), ratio(p.dilation));
-    let mut faces = Vec::new();
-    for i in 0..3 {
-        for j in (0..3).filter(|j| *j != i) {
-            let face = |ratio: f64| {
-                let mut normal = Vector3::zeros();
-                (normal[i], normal[j]) = (ratio, -1.0);
-                normal
-            };
-            faces.push((face(n), face(m), 2.0 * p.cohesion * n.sqrt()));
-        }
-        if let Some(tension) = p.tension_strength {
-            let mut normal = Vector3::zeros();
-            normal[i] = 1.0;
-            faces.push((normal, normal, tension));
-        }
-    }
+/// All faces of the surface in unsorted principal stresses.
+fn faces(p: &MohrCoulombParameters) -> Vec<Face> {
+    let [n, m] = [p.friction, p.dilation].map(passive_ratio);
+    let mut faces = shear_faces(n, m, 2.0 * p.cohesion * n.sqrt());
+    faces.extend(p.tension_strength.into_iter().flat_map(cut_off_faces));
     faces
-}
-
-/// The return by trying every set of at most three faces of the whole surface: the stress with
-/// `D sum(g_i flow_i) = trial - stress` on the faces of the set that lies within all others, with
-/// the closest in energy (associated) or with no negative `g_i` (in general).
-fn exhaustive(p: &MohrCoulombParameters, trial: Vector3<f64>) -> Vector3<f64> {
-    let faces = faces(p);
-    let (lambda, shear) = (p.medium.lambda(), p.medium.shear());
-    let stiffness = Matrix3::from_element(lambda) + 2.0 * shear * Matrix3::identity();
-    let compliance = stiffness.try_inverse().unwrap();
-    let scale = trial.norm().max(p.cohesion);
-    let mut best = (f64::INFINITY, trial);
-    let count = faces.len();
-    let mut sets: Vec<Vec<usize>> = vec![vec![]];
-    for i in 0..count {
-        sets.push(vec![i]);
-        for j in 0..i {
-            sets.push(vec![i, j]);
-            sets.extend((0..j).map(|k| vec![i, j, k]));
-        }
-    }
-    for set in sets {
-        let size = set.len();
-        let matrix = nalgebra::DMatrix::from_fn(size, size, |a, b| {
-            faces[set[a]].0.dot(&(stiffness * faces[set[b]].1)) / shear
-        });
-        let excess = nalgebra::DVector::from_fn(size, |a, _| {
-            let (normal, _, offset) = faces[set[a]];
-            normal.dot(&trial) - offset
-        });
-        if size == 0 {
-            let inside = faces
-                .iter()
-                .all(|(normal, _, offset)| normal.dot(&trial) <= *offset);
-            if inside {
-                return trial;
-            }
-            continue;
-        }
-        let svd = matrix.svd(true, true);
-        if svd.singular_values.min() < 1e-9 * svd.singular_values.max() {
-            continue;
-        }
-        let flows = svd.solve(&excess, 0.0).unwrap();
-        let flow: Vector3<f64> = (0..size).map(|a| flows[a] * faces[set[a]].1).sum();
-        let stress = trial - stiffness * flow / shear;
-        let outside = faces
-            .iter()
-            .map(|(normal, _, offset)| normal.dot(&stress) - offset);
-        let outside = outside.fold(0.0, f64::max) / scale;
-        let merit = if p.dilation == p.friction {
-            let loss = trial - stress;
-            let allowed = outside < 1e-11;
-            if allowed {
-                loss.dot(&(compliance * loss)).sqrt() * shear.sqrt() / scale
-            } else {
-                1e9
-            }
-        } else {
-            outside.max(flows.iter().fold(0.0, |most: f64, g| most.max(-g)) / scale)
-        };
-        if merit < best.0 {
-            best = (merit, stress);
-        }
-    }
-    best.1
 }
 
 /// Trials of every kind: far and near, and near edges, apex and corners of the cut-off.
@@ -230,7 +145,13 @@ fn returns_agree_with_an_exhaustive_search() {
             tension_strength: Some(surface.cut_off()),
             ..p
         };
-        let expected = exhaustive(&with_apex, Vector3::from(s));
+        let expected = search(
+            &faces(&with_apex),
+            &p.medium,
+            p.cohesion,
+            p.dilation == p.friction,
+            s,
+        );
         if surface.excess(&s) <= 0.0 {
             continue;
         }

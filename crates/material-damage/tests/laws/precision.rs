@@ -2,7 +2,7 @@
 
 use powerhouse_material_damage::{
     ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, MohrCoulomb,
-    MohrCoulombParameters, YieldSurface, presets,
+    MohrCoulombParameters, TwoSurface, YieldSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Strain, Stress};
 
@@ -50,7 +50,7 @@ fn error(law: &impl ConstitutiveLaw, initial: [f64; 6]) -> ([f64; 2], f64) {
 /// Principal stresses with a least of -10 MPa that are 50 kPa within a surface.
 fn near_yield(surface: &impl YieldSurface) -> [f64; 6] {
     let at = |lateral: f64| [lateral, lateral - 1.0e5, -1.0e7];
-    let (mut low, mut high) = (-9.0e6, 0.0);
+    let (mut low, mut high) = (-9.0e6, 2.0e6);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
         if surface.excess(&at(middle)) < -5.0e4 {
@@ -93,6 +93,7 @@ fn small_steps_survive_a_large_initial_stress() {
         ..presets::PAPER_ROCK
     };
     check(MohrCoulomb::new(p).unwrap());
+    check(TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap());
     check(
         DruckerPrager::new(DruckerPragerParameters {
             medium: p.medium,

@@ -1,0 +1,271 @@
+//! The return to surfaces that are made of planes in principal stresses.
+
+use powerhouse_model::Lane;
+
+use crate::surface::{PrincipalReturn, YieldState, pick};
+
+/// A plane of shear, `N s1 - s3 <= C`, and its flow along `m s1 - s3`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ShearPlane {
+    /// `N`.
+    pub(crate) friction: f64,
+    /// `m`.
+    pub(crate) dilation: f64,
+    /// `C` (Pa).
+    pub(crate) strength: f64,
+    /// `sqrt 2` times the norm of the deviatoric part of `(N, 0, -1)`.
+    steepness: f64,
+}
+
+impl ShearPlane {
+    /// The plane of `N`, `m` and `C` (Pa).
+    pub(crate) fn new(friction: f64, dilation: f64, strength: f64) -> Self {
+        let square = friction * friction + 1.0 - (friction - 1.0).powi(2) / 3.0;
+        Self {
+            friction,
+            dilation,
+            strength,
+            steepness: (2.0 * square).sqrt(),
+        }
+    }
+
+    /// The yield function of the greatest and the least stress (Pa).
+    #[inline(always)]
+    pub(crate) fn excess<L: Lane>(&self, greatest: L, least: L) -> L {
+        greatest.constant(self.friction) * greatest - least - greatest.constant(self.strength)
+    }
+
+    /// An upper bound of the yield function from mean stress and `sqrt(J2)` (Pa): the greatest `a .
+    /// d` over deviators `d` of one size is the size times the deviatoric norm of `a`.
+    #[inline(always)]
+    pub(crate) fn bound<L: Lane>(&self, mean: L, shear: L) -> L {
+        let number = |value: f64| mean.constant(value);
+        let sheared = number(self.steepness).mul_add(shear, number(-self.strength));
+        number(self.friction - 1.0).mul_add(mean, sheared)
+    }
+}
+
+/// The face, edge or corner that violates the conditions of a return least, of those that were
+/// offered.
+///
+/// Plastic strains are written as `x = 2G e` (Pa): `trial - returned = x + r (x1 + x2 + x3)` with
+/// `r = lambda / 2G`. A point on a shear face or edge is placed by its greatest stress.
+pub(crate) struct Nearest<L> {
+    trial: [L; 3],
+    /// `r`.
+    volumetric: f64,
+    /// The greatest principal stress permitted, `T` (Pa).
+    tension: f64,
+    /// Trial stresses less `T`.
+    over: [L; 3],
+    violation: L,
+    stress: [L; 3],
+    loss: [L; 3],
+    state: L,
+}
+
+impl<L: Lane> Nearest<L> {
+    /// Begins with the corner where all three stresses are at the cut-off.
+    #[inline(always)]
+    pub(crate) fn new(trial: &[L; 3], volumetric: f64, tension: f64) -> Self {
+        use YieldState::Tension;
+        let [s1, s2, s3] = *trial;
+        let number = |value: f64| s1.constant(value);
+        let limit = number(tension);
+        let over = [s1 - limit, s2 - limit, s3 - limit];
+        let share = number(volumetric) * number(1.0 / (1.0 + 3.0 * volumetric));
+        let common = share * (over[0] + over[1] + over[2]);
+        let mut nearest = Self {
+            trial: *trial,
+            volumetric,
+            tension,
+            over,
+            violation: number(f64::INFINITY),
+            stress: [limit; 3],
+            loss: over,
+            state: number(Tension.number()),
+        };
+        nearest.offer(Tension, [limit; 3], over, [common - over[2]]);
+        nearest
+    }
+
+    /// What was found.
+    #[inline(always)]
+    pub(crate) fn found(self) -> PrincipalReturn<L> {
+        PrincipalReturn {
+            stress: self.stress,
+            loss: self.loss,
+            state: self.state,
+        }
+    }
+
+    /// Takes a candidate, with its `loss` against the trial, if it is better; `conditions` are
+    /// not positive where it is right (Pa).
+    #[inline(always)]
+    fn offer<const C: usize>(
+        &mut self,
+        state: YieldState,
+        stress: [L; 3],
+        loss: [L; 3],
+        conditions: [L; C],
+    ) {
+        let violation = conditions
+            .into_iter()
+            .reduce(Lane::max)
+            .unwrap_or(self.violation);
+        let better = violation.less(self.violation);
+        self.violation = violation.select(better, self.violation);
+        self.stress = pick(better, &stress, &self.stress);
+        self.loss = pick(better, &loss, &self.loss);
+        let number = self.state.constant(state.number());
+        self.state = number.select(better, self.state);
+    }
+
+    /// Offers a shear plane and its edges, where the greatest stress is at least `from` (if given)
+    /// and at most `to` (Pa).
+    #[inline(always)]
+    pub(crate) fn offer_shear(&mut self, plane: &ShearPlane, from: Option<f64>, to: f64) {
+        use YieldState::Shear;
+        let [s1, s2, s3] = self.trial;
+        let number = |value: f64| s1.constant(value);
+        let (n, m) = (plane.friction, plane.dilation);
+        let strength = number(plane.strength);
+        let friction = number(n);
+        let dilation = number(m);
+        let half = number(0.5);
+        // Change of mean stress for a unit of shear flow, x = (m, 0, -1).
+        let dilated = self.volumetric * (m - 1.0);
+        let swelling = number(dilated);
+        let outside = |greatest: L| {
+            let above = greatest - number(to);
+            from.map_or(above, |from| above.max(number(from) - greatest))
+        };
+
+        // Face.
+        let excess = friction * s1 - s3 - strength;
+        let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 1.0));
+        let swollen = swelling * flow;
+        let loss = [(dilation + swelling) * flow, swollen, swollen - flow];
+        let (greatest, middle) = (s1 - loss[0], s2 - loss[1]);
+        let least = friction * greatest - strength;
+        let below = least - middle;
+        self.offer(
+            Shear,
+            [greatest, middle, least],
+            loss,
+            [-excess, middle - greatest, below, outside(greatest)],
+        );
+
+        // Edge of equal greater stresses: x1 + x2 = m g, x1 - x2 = s1 - s2, x3 = -g.
+        let apart = half * (s1 - s2);
+        let mean = half * (s1 + s2);
+        let excess = friction * mean - s3 - strength;
+        let flow = excess * number(1.0 / ((n - 1.0) * dilated + 0.5 * n * m + 1.0));
+        let lowered = (half * dilation + swelling) * flow;
+        let greatest = mean - lowered;
+        let least = friction * greatest - strength;
+        self.offer(
+            Shear,
+            [greatest, greatest, least],
+            [lowered + apart, lowered - apart, swelling * flow - flow],
+            [s1 - s2 - dilation * flow, outside(greatest)],
+        );
+
+        // Edge of equal lesser stresses: x1 = m g, x2 + x3 = -g, x2 - x3 = s2 - s3.
+        let apart = half * (s2 - s3);
+        let mean = half * (s2 + s3);
+        let excess = friction * s1 - mean - strength;
+        let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 0.5));
+        let lowered = (dilation + swelling) * flow;
+        let raised = (swelling - half) * flow;
+        let greatest = s1 - lowered;
+        let least = friction * greatest - strength;
+        self.offer(
+            Shear,
+            [greatest, least, least],
+            [lowered, raised + apart, raised - apart],
+            [s2 - s3 - flow, outside(greatest)],
+        );
+    }
+
+    /// The least stress where a shear plane meets the cut-off (Pa).
+    fn least_at_cut_off(&self, plane: &ShearPlane) -> L {
+        let least = plane.friction * self.tension - plane.strength;
+        self.trial[0].constant(least)
+    }
+
+    /// Offers the face and the edge of the cut-off, down to where they meet a shear plane.
+    #[inline(always)]
+    pub(crate) fn offer_cut_off(&mut self, plane: &ShearPlane) {
+        use YieldState::Tension;
+        let ([s1, s2, s3], over, r) = (self.trial, self.over, self.volumetric);
+        let number = |value: f64| s1.constant(value);
+        let tension = number(self.tension);
+        let meeting = self.least_at_cut_off(plane);
+
+        // Face: x2 = x3 = 0.
+        let common = over[0] * number(r / (1.0 + r));
+        let (middle, least) = (s2 - common, s3 - common);
+        self.offer(
+            Tension,
+            [tension, middle, least],
+            [over[0], common, common],
+            [-over[0], middle - tension, meeting - least],
+        );
+
+        // Edge: x3 = 0.
+        let common = number(r / (1.0 + 2.0 * r)) * (over[0] + over[1]);
+        let least = s3 - common;
+        self.offer(
+            Tension,
+            [tension, tension, least],
+            [over[0], over[1], common],
+            [common - over[1], least - tension, meeting - least],
+        );
+    }
+
+    /// Offers the line where a shear plane meets the cut-off, and its two ends.
+    #[inline(always)]
+    pub(crate) fn offer_meeting(&mut self, plane: &ShearPlane) {
+        use YieldState::Both;
+        let ([s1, s2, s3], over, r) = (self.trial, self.over, self.volumetric);
+        let number = |value: f64| s1.constant(value);
+        let dilation = number(plane.dilation);
+        let tension = number(self.tension);
+        let meeting = self.least_at_cut_off(plane);
+        let below = [s2 - meeting, s3 - meeting];
+        let all = number(r) * number(1.0 / (1.0 + 3.0 * r));
+
+        // The line: x2 = 0.
+        let common = number(r / (1.0 + 2.0 * r)) * (over[0] + below[1]);
+        let (x1, x3) = (over[0] - common, below[1] - common);
+        let middle = s2 - common;
+        let too_low = meeting - middle;
+        self.offer(
+            Both,
+            [tension, middle, meeting],
+            [over[0], common, below[1]],
+            [x3, -(x1 + dilation * x3), middle - tension, too_low],
+        );
+
+        // Its end with equal greater stresses.
+        let common = all * (over[0] + over[1] + below[1]);
+        let (x1, x2, x3) = (over[0] - common, over[1] - common, below[1] - common);
+        self.offer(
+            Both,
+            [tension, tension, meeting],
+            [over[0], over[1], below[1]],
+            [x3, -x2, -(x1 + x2 + dilation * x3)],
+        );
+
+        // Its end with equal lesser stresses.
+        let common = all * (over[0] + below[0] + below[1]);
+        let (x1, x2, x3) = (over[0] - common, below[0] - common, below[1] - common);
+        self.offer(
+            Both,
+            [tension, meeting, meeting],
+            [over[0], below[0], below[1]],
+            [x2, -(x1 + dilation * (x2 + x3))],
+        );
+    }
+}

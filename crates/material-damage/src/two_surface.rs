@@ -1,0 +1,156 @@
+//! A surface that honours listed uniaxial strengths.
+
+use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
+
+use crate::MaterialError;
+use crate::mohr_coulomb::passive_ratio;
+use crate::planes::{Nearest, ShearPlane};
+use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, mean_and_shear};
+
+/// What a [`TwoSurface`] is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoSurfaceParameters {
+    /// The elastic medium.
+    pub medium: ElasticMedium,
+    /// Friction angle under confinement (degrees), 0 to 75.
+    pub friction: f64,
+    /// Dilation angle (degrees), 0 to the friction angle.
+    pub dilation: f64,
+    /// Cohesion under confinement (Pa), at least 0; in force is at least `f_c / (2 sqrt N)`.
+    pub cohesion: f64,
+    /// Uniaxial tensile strength `f_t` (Pa), above 0.
+    pub tension_strength: f64,
+    /// Uniaxial compressive strength `f_c` (Pa), above `N f_t`.
+    pub compression_strength: f64,
+}
+
+/// A yield surface that bears listed strengths in uniaxial tension and compression, and has the
+/// friction of Mohr and Coulomb under confinement.
+///
+/// With principal stresses `s1 >= s2 >= s3`, `N = (1 + sin phi) / (1 - sin phi)`, and `m` the same
+/// of the dilation angle:
+///
+/// - strengths: `(f_c / f_t) s1 - s3 <= f_c`, through `(f_t, 0, 0)` and `(0, 0, -f_c)`;
+/// - friction: `N s1 - s3 <= C`, `C = max(2 c sqrt(N), f_c)`, in force where `s1 <= (f_c - C) /
+///   (f_c / f_t - N)`, which is nowhere tension;
+/// - tension: `s1 <= f_t`.
+///
+/// Both planes of shear flow along `m s1 - s3`, the cut-off along `s1`. The return is the exact
+/// one of [`MohrCoulomb`](crate::MohrCoulomb). As the planes of shear flow alike, no stress comes
+/// to the line between them from a region of trials.
+///
+/// # Valid range
+/// A cohesion below `f_c / (2 sqrt N)` cannot be kept: a surface that is convex and has friction
+/// `phi` bears no less under confinement than without, so the friction plane then goes through
+/// `(0, 0, -f_c)`; see [`cohesion`](Self::cohesion). Perfectly plastic.
+///
+/// # Why so
+/// *The first plane, and not the cut-off alone, joins the strengths*: with the friction plane and
+/// a cut-off, concrete under `0.9 f_t` across would still bear more than half of `f_c`; tests of
+/// plates in tension and compression (Kupfer, Hilsdorf & Rusch 1969) lie near the straight line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoSurface {
+    parameters: TwoSurfaceParameters,
+    strengths: ShearPlane,
+    friction: ShearPlane,
+    /// The greatest stress where the planes meet (Pa), not positive.
+    crossing: f64,
+    /// `lambda / 2G`.
+    volumetric: f64,
+}
+
+impl TwoSurface {
+    /// The surface of the parameters.
+    ///
+    /// # Errors
+    /// A parameter outside its range; a dilation above the friction; strengths whose ratio is not
+    /// above `N` ([`MaterialError::StrengthRatio`]).
+    pub fn new(parameters: TwoSurfaceParameters) -> Result<Self, MaterialError> {
+        let TwoSurfaceParameters {
+            medium,
+            friction,
+            dilation,
+            cohesion,
+            tension_strength,
+            compression_strength,
+        } = parameters;
+        check_frictional(&medium, friction, dilation, cohesion)?;
+        for (name, strength) in [
+            ("tension_strength", tension_strength),
+            ("compression_strength", compression_strength),
+        ] {
+            ParameterError::check(name, strength, f64::MIN_POSITIVE, 1.0e12)?;
+        }
+        let least = passive_ratio(friction);
+        let ratio = compression_strength / tension_strength;
+        if !(ratio > least && ratio <= 1.0e6) {
+            return Err(MaterialError::StrengthRatio { ratio, least });
+        }
+        let dilation = passive_ratio(dilation);
+        let strength = (2.0 * cohesion * least.sqrt()).max(compression_strength);
+        Ok(Self {
+            parameters,
+            strengths: ShearPlane::new(ratio, dilation, compression_strength),
+            friction: ShearPlane::new(least, dilation, strength),
+            crossing: (compression_strength - strength) / (ratio - least),
+            volumetric: medium.poisson / (1.0 - 2.0 * medium.poisson),
+        })
+    }
+
+    /// What the surface was made of.
+    pub fn parameters(&self) -> &TwoSurfaceParameters {
+        &self.parameters
+    }
+
+    /// The cohesion in force under confinement (Pa): the listed one, at least `f_c / (2 sqrt N)`.
+    pub fn cohesion(&self) -> f64 {
+        0.5 * self.friction.strength / self.friction.friction.sqrt()
+    }
+}
+
+impl YieldSurface for TwoSurface {
+    fn name(&self) -> &str {
+        "two-surface"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.parameters.medium
+    }
+    #[inline(always)]
+    fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
+        let (mean, shear) = mean_and_shear(stress);
+        let number = |value: f64| mean.constant(value);
+        let reach = number(2.0 / 3.0_f64.sqrt());
+        let in_tension = reach.mul_add(shear, mean - number(self.parameters.tension_strength));
+        let in_shear = self.strengths.bound(mean, shear);
+        in_tension.max(in_shear.max(self.friction.bound(mean, shear)))
+    }
+    #[inline(always)]
+    fn excess<L: Lane>(&self, &[s1, _, s3]: &[L; 3]) -> L {
+        let shear = self.strengths.excess(s1, s3);
+        let shear = shear.max(self.friction.excess(s1, s3));
+        shear.max(s1 - s1.constant(self.parameters.tension_strength))
+    }
+    #[inline(always)]
+    fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L> {
+        let tension = self.parameters.tension_strength;
+        let mut nearest = Nearest::new(trial, self.volumetric, tension);
+        nearest.offer_shear(&self.strengths, Some(self.crossing), tension);
+        nearest.offer_shear(&self.friction, None, self.crossing);
+        nearest.offer_cut_off(&self.strengths);
+        nearest.offer_meeting(&self.strengths);
+        nearest.found()
+    }
+    fn uniaxial_tension(&self) -> f64 {
+        self.parameters.tension_strength
+    }
+    fn uniaxial_compression(&self) -> f64 {
+        self.parameters.compression_strength
+    }
+    fn flow_in_uniaxial_tension(&self) -> [f64; 3] {
+        [1.0, 0.0, 0.0]
+    }
+    fn flow_in_uniaxial_compression(&self) -> [f64; 3] {
+        let lateral = 0.5 * self.strengths.dilation;
+        [lateral, lateral, -1.0]
+    }
+}
