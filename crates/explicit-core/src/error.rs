@@ -59,6 +59,18 @@ pub enum EngineError {
         /// The point's volume (m3).
         volume: f64,
     },
+    /// An element of a width that its law refuses.
+    #[error("element {element} of set '{set}', {size:.4} m wide: {reason}")]
+    ElementSize {
+        /// The element's number.
+        element: u64,
+        /// The set.
+        set: String,
+        /// The element's width (m), the cube root of its volume.
+        size: f64,
+        /// What the law says, with the widths that it permits.
+        reason: String,
+    },
     /// An element that leaves a node without mass.
     #[error("element {element} of set '{set}' lumps the mass {mass:.3e} kg at its node {node}")]
     NoLumpedMass {

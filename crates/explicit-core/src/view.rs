@@ -69,6 +69,10 @@ impl StepView for View<'_> {
     fn energies(&self) -> &[(&'static str, f64)] {
         self.energies
     }
+    fn history(&self, element: u32, variable: &str) -> Option<f64> {
+        let &(block, place) = self.model.place_of_element.get(element as usize)?;
+        self.model.blocks[block as usize].shown_history(place as usize, variable)
+    }
     fn joints(&self) -> Vec<JointView<'_>> {
         self.model.joints().collect()
     }

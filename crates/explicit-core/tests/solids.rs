@@ -261,10 +261,7 @@ impl ConstitutiveLaw for Counter {
         self.0
     }
     fn history(&self) -> &'static [HistoryVariable] {
-        &[HistoryVariable {
-            name: "commits",
-            unit: "1",
-        }]
+        const { &[HistoryVariable::amount("commits", "1")] }
     }
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
         new_history[0] = input.history[0] + input.history[0].constant(1.0);

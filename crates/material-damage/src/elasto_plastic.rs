@@ -1,10 +1,11 @@
 //! The elastic, perfectly plastic law of a yield surface.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Strain, Stress,
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Strain, Stress,
 };
 
-use crate::history::{PLASTIC_STRAINS, number};
+use crate::energy::{self, Step};
+use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::surface::{Flow, YieldSurface};
 
 const EQUIVALENT: usize = 6;
@@ -19,7 +20,7 @@ const HISTORY: [HistoryVariable; 8] = {
         yz,
         zx,
         number("equivalent_plastic_strain"),
-        number("yield_state"),
+        history::YIELD_STATE,
     ]
 };
 
@@ -100,6 +101,18 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
         new_history[EQUIVALENT] = old[EQUIVALENT] + equivalent(&flow.plastic);
         new_history[YIELD_STATE] = flow.state;
         flow.stress_change(&change, &input.initial)
+    }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
+        let none = new_history[EQUIVALENT].constant(0.0);
+        let step = Step {
+            medium: &self.surface.medium(),
+            input,
+            elastic: energy::difference(&input.strain.0, new_history),
+            flowed: Some(energy::difference(new_history, input.history)),
+            damage: [none; 2],
+        };
+        Some(step.energy())
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a law or its driver refuses.
 
-use powerhouse_model::ParameterError;
+use powerhouse_model::{ModelError, ParameterError};
 use thiserror::Error;
 
 /// A law that cannot be made, or a path that cannot be followed.
@@ -60,4 +60,13 @@ pub enum MaterialError {
         /// What was asked (Pa).
         tolerance: f64,
     },
+}
+
+impl From<MaterialError> for ModelError {
+    fn from(error: MaterialError) -> Self {
+        match error {
+            MaterialError::Parameter(source) => Self::Parameter(source),
+            other => Self::refused("material", other),
+        }
+    }
 }

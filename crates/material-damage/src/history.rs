@@ -2,17 +2,28 @@
 
 use powerhouse_model::HistoryVariable;
 
-/// A history variable without a unit.
+/// An amount without a unit.
 pub(crate) const fn number(name: &'static str) -> HistoryVariable {
-    HistoryVariable { name, unit: "1" }
+    HistoryVariable::amount(name, "1")
 }
+
+/// A component of a strain.
+const fn strain(name: &'static str) -> HistoryVariable {
+    HistoryVariable::component(name, "1")
+}
+
+/// How a point yields, a [`YieldState`](crate::YieldState).
+pub(crate) const YIELD_STATE: HistoryVariable = HistoryVariable::flags("yield_state");
+
+/// What has damaged a point: 0 nothing, 1 tension, 2 shear or compression, 3 both.
+pub(crate) const DAMAGE_TYPE: HistoryVariable = HistoryVariable::flags("damage_type");
 
 /// Plastic strains, engineering shears.
 pub(crate) const PLASTIC_STRAINS: [HistoryVariable; 6] = [
-    number("plastic_strain_xx"),
-    number("plastic_strain_yy"),
-    number("plastic_strain_zz"),
-    number("plastic_strain_xy"),
-    number("plastic_strain_yz"),
-    number("plastic_strain_zx"),
+    strain("plastic_strain_xx"),
+    strain("plastic_strain_yy"),
+    strain("plastic_strain_zz"),
+    strain("plastic_strain_xy"),
+    strain("plastic_strain_yz"),
+    strain("plastic_strain_zx"),
 ];

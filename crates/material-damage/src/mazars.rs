@@ -1,9 +1,11 @@
 //! Damage in total strain after Mazars.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, ParameterError, Stress,
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
+    ParameterError, Stress,
 };
 
+use crate::energy::Step;
 use crate::history::number;
 use crate::softening::{damage_of, inverse_rate_in_total_strain};
 use crate::surface::mean_and_shear;
@@ -243,5 +245,19 @@ impl ConstitutiveLaw for Mazars {
             let weakened = left * change.0[i] - damage * input.initial.0[i];
             weakened.select(damaged, change.0[i])
         }))
+    }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
+        let step = Step {
+            medium: &self.parameters.medium,
+            input,
+            elastic: input.strain,
+            flowed: None,
+            damage: [input.history[DAMAGE], new_history[DAMAGE]],
+        };
+        Some(step.energy())
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        Ok(self.check_size(size)?)
     }
 }

@@ -1,10 +1,12 @@
 //! Plasticity with damage: the concrete of the paper.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, ParameterError, Strain, Stress,
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
+    ParameterError, Strain, Stress,
 };
 
-use crate::history::{PLASTIC_STRAINS, number};
+use crate::energy::{self, Step};
+use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::softening::DamageCurve;
 use crate::surface::{Flow, YieldSurface};
 use crate::{MaterialError, PrincipalAxes, Softening};
@@ -48,8 +50,8 @@ const HISTORY: [HistoryVariable; 13] = {
         number("damage_tension"),
         number("damage_compression"),
         number("damage"),
-        number("damage_type"),
-        number("yield_state"),
+        history::DAMAGE_TYPE,
+        history::YIELD_STATE,
     ]
 };
 
@@ -75,7 +77,7 @@ const HISTORY: [HistoryVariable; 13] = {
 /// `D` stays below one by the residual stiffness. Softening by fracture energy permits elements
 /// up to [`largest_size`](Self::largest_size): make sure of it by [`check_size`](Self::check_size);
 /// in larger ones damage comes at once. A strain that is not finite gives a stress that is not
-/// finite. When cracks close, `D` may fall: see [`dissipation`](Self::dissipation).
+/// finite. When cracks close, `D` may fall: see [`energy`](ConstitutiveLaw::energy).
 ///
 /// # Why so
 /// *Contraction beside an opening crack crushes nothing.* A surface with dilation contracts
@@ -104,18 +106,6 @@ pub struct PlasticDamage<S> {
     compression: DamageCurve,
     lambda: f64,
     shear: f64,
-}
-
-/// What a step took out of a volume (J/m3).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Dissipation {
-    /// By plastic flow, `(1 - D) s : de_p` at the end of the step.
-    pub plastic: f64,
-    /// By growing damage, `psi dD` with the elastic energy `psi` of the effective stress.
-    pub damage: f64,
-    /// Given back where `D` falls, not negative: the energy of stiffness that cracks regain as
-    /// they close.
-    pub recovered: f64,
 }
 
 impl<S: YieldSurface> PlasticDamage<S> {
@@ -168,32 +158,6 @@ impl<S: YieldSurface> PlasticDamage<S> {
         match self.largest_size() {
             Some(largest) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
             _ => Ok(()),
-        }
-    }
-
-    /// The effective stress (Pa) of a strain, an initial stress and a history.
-    fn effective(&self, input: &LawInput<f64>, history: &[f64]) -> Stress {
-        let elastic = Strain(core::array::from_fn(|i| input.strain.0[i] - history[i]));
-        input.initial + Stress::elastic(self.lambda, self.shear, &elastic)
-    }
-
-    /// Elastic energy of an effective stress (J/m3).
-    fn elastic_energy(&self, stress: &Stress) -> f64 {
-        let (mean, shear) = crate::surface::mean_and_shear(stress);
-        let medium = self.medium();
-        0.5 * (mean * mean / medium.bulk() + shear * shear / medium.shear())
-    }
-
-    /// What the step to `input` and `new_history` dissipated.
-    pub fn dissipation(&self, input: &LawInput<f64>, new_history: &[f64]) -> Dissipation {
-        let old = input.history;
-        let effective = self.effective(input, new_history);
-        let flowed = Strain(core::array::from_fn(|i| new_history[i] - old[i]));
-        let grown = self.elastic_energy(&effective) * (new_history[DAMAGE] - old[DAMAGE]);
-        Dissipation {
-            plastic: (1.0 - new_history[DAMAGE]) * effective.work(&flowed),
-            damage: grown.max(0.0),
-            recovered: (-grown).max(0.0),
         }
     }
 }
@@ -282,5 +246,19 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         Stress(core::array::from_fn(|i| {
             left * change.0[i] - damage * input.initial.0[i]
         }))
+    }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
+        let step = Step {
+            medium: &self.medium(),
+            input,
+            elastic: energy::difference(&input.strain.0, new_history),
+            flowed: Some(energy::difference(new_history, input.history)),
+            damage: [input.history[DAMAGE], new_history[DAMAGE]],
+        };
+        Some(step.energy())
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        Ok(self.check_size(size)?)
     }
 }

@@ -199,8 +199,12 @@ pub struct BlockEnergy {
     pub plastic: f64,
     /// Dissipated by damage, accumulated.
     pub damage: f64,
-    /// Recovered by crack closure, accumulated.
+    /// Given back by stiffness that closing cracks regain, accumulated; not positive.
     pub recovery: f64,
+    /// Work of stresses beyond what their laws say they hold, take and give back, accumulated: the
+    /// flow of a step counts with the stress at its end, its work with the mean. It falls with
+    /// the step.
+    pub integration: f64,
     /// Dissipated by stiffness damping, accumulated.
     pub damping: f64,
     /// Dissipated and stored by relaxation mechanisms, accumulated.
@@ -214,6 +218,7 @@ impl core::ops::AddAssign for BlockEnergy {
         self.plastic += other.plastic;
         self.damage += other.damage;
         self.recovery += other.recovery;
+        self.integration += other.integration;
         self.damping += other.damping;
         self.relaxation += other.relaxation;
     }
@@ -227,6 +232,7 @@ impl BlockEnergy {
             + self.plastic
             + self.damage
             + self.recovery
+            + self.integration
             + self.damping
             + self.relaxation
     }
@@ -365,4 +371,16 @@ pub trait ElementBlock: Send + Sync {
     fn history(&self) -> Vec<HistoryField>;
     /// Takes over what belongs to its elements.
     fn set_history(&mut self, fields: &[HistoryField]);
+    /// What the element at a place of [`elements`](Self::elements) shows of a history variable,
+    /// as of the last [`forces`](Self::forces), committed or not; none if its law has no such
+    /// variable. By default the mean over the points of the committed
+    /// [`history`](Self::history).
+    fn shown_history(&self, place: usize, variable: &str) -> Option<f64> {
+        let fields = self.history();
+        let field = fields.iter().find(|field| field.name == variable)?;
+        let values = field
+            .values
+            .get(place * field.points..(place + 1) * field.points)?;
+        Some(values.iter().sum::<f64>() / field.points as f64)
+    }
 }

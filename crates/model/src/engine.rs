@@ -200,6 +200,12 @@ pub trait StepView {
     fn stress(&self, element: u32) -> Stress;
     /// Named energies (J), if the ledger is kept.
     fn energies(&self) -> &[(&'static str, f64)];
+    /// What an element shows of a history variable of its law, as of the step's forces
+    /// ([`HistoryVariable::of_element`](crate::HistoryVariable::of_element)); none if its law has
+    /// no such variable, or by default.
+    fn history(&self, _element: u32, _variable: &str) -> Option<f64> {
+        None
+    }
     /// The joints of the body; none by default.
     fn joints(&self) -> Vec<JointView<'_>> {
         Vec::new()

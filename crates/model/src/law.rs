@@ -2,7 +2,19 @@
 
 use std::sync::Arc;
 
-use crate::{ElasticMedium, Lane, Strain, Stress};
+use crate::{ElasticMedium, Lane, ModelError, Strain, Stress};
+
+/// How results show a history variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HistoryKind {
+    /// An amount, such as damage: elements show the mean over their points, envelopes the greatest.
+    Amount,
+    /// A component of a tensor: elements show the mean over their points.
+    Component,
+    /// A whole number whose bits are flags, such as a yield state: elements show every flag that
+    /// one of their points has.
+    Flags,
+}
 
 /// One named number that a law keeps at every integration point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +23,74 @@ pub struct HistoryVariable {
     pub name: &'static str,
     /// Its unit, `1` if it has none.
     pub unit: &'static str,
+    /// How results show it.
+    pub kind: HistoryKind,
+}
+
+impl HistoryVariable {
+    /// An amount.
+    pub const fn amount(name: &'static str, unit: &'static str) -> Self {
+        Self {
+            name,
+            unit,
+            kind: HistoryKind::Amount,
+        }
+    }
+    /// A component of a tensor.
+    pub const fn component(name: &'static str, unit: &'static str) -> Self {
+        Self {
+            name,
+            unit,
+            kind: HistoryKind::Component,
+        }
+    }
+    /// A whole number whose bits are flags.
+    pub const fn flags(name: &'static str) -> Self {
+        Self {
+            name,
+            unit: "1",
+            kind: HistoryKind::Flags,
+        }
+    }
+
+    /// What an element shows of the values at its points.
+    ///
+    /// ```
+    /// use powerhouse_model::HistoryVariable;
+    /// let (damage, state) = (HistoryVariable::amount("damage", "1"), HistoryVariable::flags("state"));
+    /// assert_eq!(damage.of_element([0.0, 0.5].into_iter()), 0.25);
+    /// assert_eq!(state.of_element([1.0, 2.0].into_iter()), 3.0);
+    /// ```
+    pub fn of_element(&self, points: impl ExactSizeIterator<Item = f64>) -> f64 {
+        match self.kind {
+            HistoryKind::Flags => f64::from(points.fold(0_u32, |all, flags| all | flags as u32)),
+            HistoryKind::Amount | HistoryKind::Component => {
+                let count = points.len();
+                points.sum::<f64>() / count as f64
+            }
+        }
+    }
+}
+
+/// What a point holds, and what the step to its present state cost (J/m3).
+///
+/// With the work `sigma : de` of the *change* of stress, an elastic law with plastic strain `p`
+/// and damage `D` has
+///
+/// `stored = (1 - D) psi(s) - psi(sigma0) - sigma0 : e`, `plastic = (1 - D) s : dp`, `damage =
+/// psi(s) dD`
+///
+/// where `psi(s) = s : C^-1 : s / 2` and `s` is the effective stress, initial stress included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LawEnergy<L> {
+    /// Energy that is held, less the work of the initial stress, zero at the start.
+    pub stored: L,
+    /// Taken by plastic flow in the step, not negative.
+    pub plastic: L,
+    /// Taken by growing damage in the step, not negative.
+    pub damage: L,
+    /// Given back in the step, not negative: the energy of stiffness that closing cracks regain.
+    pub recovered: L,
 }
 
 /// What a law is told. Later fields do not break laws.
@@ -103,6 +183,24 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     fn is_linear(&self) -> bool {
         Self::LINEAR
     }
+    /// What a point holds after the step to `input` and `new_history`, and what that step cost, for
+    /// the energy ledger.
+    ///
+    /// By default the law says nothing: what its medium would give back by unloading elastically
+    /// counts as stored, `sigma : C^-1 : sigma / 2` of the change of stress, and all else as plastic.
+    /// Laws answer always or never.
+    #[inline(always)]
+    fn energy<L: Lane>(&self, _input: &LawInput<L>, _new_history: &[L]) -> Option<LawEnergy<L>> {
+        None
+    }
+    /// Accepts or refuses elements of a width ([`LawInput::size`], m), before a run. All are
+    /// accepted by default.
+    ///
+    /// # Errors
+    /// Why, with the widths that are permitted.
+    fn accept_size(&self, _size: f64) -> Result<(), ModelError> {
+        Ok(())
+    }
     /// The tangent `d stress / d strain` (Pa, 6 x 6, rows of stress) at a point, if the law offers
     /// one.
     fn tangent(&self, _input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
@@ -136,6 +234,17 @@ pub trait PointLaw: Send + Sync {
     fn history(&self) -> &'static [HistoryVariable];
     /// The change of stress (Pa) against the initial stress; writes the new history.
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
+    /// As [`ConstitutiveLaw::energy`].
+    fn energy(&self, _input: &LawInput<f64>, _new_history: &[f64]) -> Option<LawEnergy<f64>> {
+        None
+    }
+    /// As [`ConstitutiveLaw::accept_size`].
+    ///
+    /// # Errors
+    /// Why the width is refused.
+    fn accept_size(&self, _size: f64) -> Result<(), ModelError> {
+        Ok(())
+    }
 }
 
 /// Runs a [`PointLaw`] behind the socket of a [`ConstitutiveLaw`].
@@ -168,19 +277,12 @@ impl ConstitutiveLaw for PointAdapter {
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
         let token = input.strain.0[0].token();
         let count = input.history.len();
-        let mut stress = [[0.0; 6]; 64];
+        let mut stress = [[0.0; 6]; MOST_LANES];
         let mut history = vec![0.0; L::WIDTH * count];
-        assert!(L::WIDTH <= stress.len(), "a lane has at most 64 numbers");
+        assert!(L::WIDTH <= MOST_LANES, "a lane has at most 64 numbers");
         for lane in 0..L::WIDTH {
-            let old: Vec<f64> = input.history.iter().map(|h| h.extract(lane)).collect();
-            let point = LawInput {
-                strain: Strain(input.strain.0.map(|x| x.extract(lane))),
-                initial: Stress(input.initial.0.map(|x| x.extract(lane))),
-                history: &old,
-                size: input.size.extract(lane),
-            };
             let new = &mut history[lane * count..(lane + 1) * count];
-            stress[lane] = self.0.stress_change(&point, new).0;
+            stress[lane] = at_lane(input, lane, |point| self.0.stress_change(point, new)).0;
         }
         for (i, value) in new_history.iter_mut().enumerate() {
             *value = L::build(token, |lane| history[lane * count + i]);
@@ -189,4 +291,49 @@ impl ConstitutiveLaw for PointAdapter {
             L::build(token, |lane| stress[lane][i])
         }))
     }
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
+        let token = input.strain.0[0].token();
+        let mut numbers = [[0.0; 4]; MOST_LANES];
+        assert!(L::WIDTH <= MOST_LANES, "a lane has at most 64 numbers");
+        for lane in 0..L::WIDTH {
+            let new: Vec<f64> = new_history.iter().map(|h| h.extract(lane)).collect();
+            let energy = at_lane(input, lane, |point| self.0.energy(point, &new))?;
+            let LawEnergy {
+                stored,
+                plastic,
+                damage,
+                recovered,
+            } = energy;
+            numbers[lane] = [stored, plastic, damage, recovered];
+        }
+        let [stored, plastic, damage, recovered] =
+            core::array::from_fn(|i| L::build(token, |lane| numbers[lane][i]));
+        Some(LawEnergy {
+            stored,
+            plastic,
+            damage,
+            recovered,
+        })
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        self.0.accept_size(size)
+    }
+}
+
+/// More than any lane is wide.
+const MOST_LANES: usize = 64;
+
+/// Shows one lane of an input.
+fn at_lane<L: Lane, T>(
+    input: &LawInput<L>,
+    lane: usize,
+    look: impl FnOnce(&LawInput<f64>) -> T,
+) -> T {
+    let old: Vec<f64> = input.history.iter().map(|h| h.extract(lane)).collect();
+    look(&LawInput {
+        strain: Strain(input.strain.0.map(|x| x.extract(lane))),
+        initial: Stress(input.initial.0.map(|x| x.extract(lane))),
+        history: &old,
+        size: input.size.extract(lane),
+    })
 }

@@ -53,7 +53,9 @@ pub use joint::{
     Bond, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView,
 };
 pub use lane::{Lane, Scalar};
-pub use law::{ConstitutiveLaw, HistoryVariable, LawInput, PointAdapter, PointLaw};
+pub use law::{
+    ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, LawInput, PointAdapter, PointLaw,
+};
 pub use load::{NodalLoad, TimeFunction};
 pub use medium::ElasticMedium;
 pub use mesh::{

@@ -1,14 +1,16 @@
 //! Work that no state function gives, booked step by step.
 
-use powerhouse_model::{BlockContext, ConstitutiveLaw, ElementKernel, Quad};
+use powerhouse_model::{BlockContext, BlockEnergy, ConstitutiveLaw, ElementKernel, Quad};
 
 use super::Block;
+use super::batches::Batch;
 use super::numbers::AlignedNumbers;
-use super::operations::Rates;
+use super::operations::Energy;
+use super::survey::each_lane;
 use super::transfer::NodeScalar;
-use crate::lanes::BatchScalar;
+use crate::lanes::{BatchLane, BatchScalar};
 
-/// What a block remembers from step to step to account for damping and plastic flow.
+/// What a block remembers from step to step to account for damping and its law.
 #[derive(Debug)]
 pub(super) struct Account<S> {
     /// The step that the rest belongs to.
@@ -19,12 +21,10 @@ pub(super) struct Account<S> {
     velocity_energy: f64,
     /// Stress at that step (Pa), for laws that are not linear.
     stress: AlignedNumbers<S>,
-    /// Work of the stresses less the growth of the elastic energy (J).
-    pub(super) plastic: f64,
-    /// Elastic energy at that step (J).
-    elastic: f64,
-    /// Work of the stiffness damping (J).
-    pub(super) damping: f64,
+    /// What the points held at that step (J).
+    stored: f64,
+    /// What the steps took so far (J).
+    spent: BlockEnergy,
 }
 
 impl<S: BatchScalar> Default for Account<S> {
@@ -34,17 +34,65 @@ impl<S: BatchScalar> Default for Account<S> {
             velocity: Vec::new(),
             velocity_energy: 0.0,
             stress: AlignedNumbers::zeros(0),
-            plastic: 0.0,
-            elastic: 0.0,
-            damping: 0.0,
+            stored: 0.0,
+            spent: BlockEnergy::default(),
         }
     }
 }
 
-impl<S> Account<S> {
+impl<S: BatchScalar> Account<S> {
     /// Forgets the last step: what follows does not continue it.
     pub(super) fn rest(&mut self) {
         self.number = None;
+    }
+    /// What the steps took so far (J).
+    pub(super) fn spent(&self) -> BlockEnergy {
+        self.spent
+    }
+    /// Stresses of the step before, so many numbers.
+    pub(super) fn stresses(&mut self, numbers: usize) -> &mut AlignedNumbers<S> {
+        if self.stress.as_slice().len() != numbers {
+            self.stress = AlignedNumbers::zeros(numbers);
+            self.number = None;
+        }
+        &mut self.stress
+    }
+}
+
+/// What all elements of a block did in a step (J).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct StepSums {
+    /// Work of the stresses.
+    work: f64,
+    /// Held at the end of the step.
+    stored: f64,
+    plastic: f64,
+    damage: f64,
+    recovered: f64,
+    /// Whether the law told what it took.
+    told: bool,
+}
+
+impl StepSums {
+    /// Adds a batch, element after element, whatever its width.
+    #[inline(always)]
+    pub(super) fn add<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
+        &mut self,
+        work: L,
+        energy: &Energy<L>,
+        batch: &Batch<S, N>,
+    ) {
+        let sum = &energy.sum;
+        self.told = energy.told;
+        each_lane(work, batch, |_, work| self.work += work);
+        each_lane(sum.stored, batch, |_, stored| self.stored += stored);
+        let spent = sum.plastic + sum.damage + sum.recovered;
+        let none = spent.constant(0.0);
+        if spent.any(none.less(spent)) {
+            each_lane(sum.plastic, batch, |_, plastic| self.plastic += plastic);
+            each_lane(sum.damage, batch, |_, damage| self.damage += damage);
+            each_lane(sum.recovered, batch, |_, energy| self.recovered += energy);
+        }
     }
 }
 
@@ -61,12 +109,13 @@ where
     /// a(x, x) / 2`, summed element by element, `a(v_0, v) = E(v_0) + E(v) - E(v - v_0)`.
     ///
     /// The stresses of other laws do the work `1/2 (sigma_0 + sigma_1) : de V` on the strain
-    /// increment; what does not become elastic energy counts as plastic.
+    /// increment. What a law does not account for is booked apart; of laws that tell nothing it
+    /// counts as plastic.
     pub(super) fn book_step(
         &mut self,
         context: &BlockContext,
-        displacement: &[Quad<f64>],
         velocity: Vec<Quad<f64>>,
+        sums: &StepSums,
     ) {
         let damping = self.coefficient(context);
         if M::LINEAR && damping == 0.0 {
@@ -84,32 +133,27 @@ where
                     .map(|(v, before)| Quad::from_vector(&(v.to_vector() - before.to_vector())))
                     .collect();
                 let mixed = account.velocity_energy + energy - self.elastic_form(&change);
-                account.damping += 0.5 * damping * context.step * (mixed + 2.0 * energy);
+                account.spent.damping += 0.5 * damping * context.step * (mixed + 2.0 * energy);
             }
             account.velocity_energy = energy;
         }
 
         if !M::LINEAR {
-            let numbers = self.places.as_slice().len() * P * 6;
-            if account.stress.as_slice().len() != numbers {
-                account.stress = AlignedNumbers::zeros(numbers);
-            }
-            let rates = Rates {
-                velocity: &velocity,
-                damping: 0.0,
-                step: context.step,
-                stored: Some(account.stress.as_mut_slice()),
-            };
-            let survey = self.survey(displacement, Some(rates));
-            let (mut elastic, mut work) = (0.0, 0.0);
-            for summary in &survey {
-                elastic += summary.elastic;
-                work += summary.work;
-            }
             if follows {
-                account.plastic += work - (elastic - account.elastic);
+                let spent = &mut account.spent;
+                spent.plastic += sums.plastic;
+                spent.damage += sums.damage;
+                spent.recovery -= sums.recovered;
+                let told =
+                    sums.stored - account.stored + sums.plastic + sums.damage - sums.recovered;
+                let rest = sums.work - told;
+                if sums.told {
+                    spent.integration += rest;
+                } else {
+                    spent.plastic += rest;
+                }
             }
-            account.elastic = elastic;
+            account.stored = sums.stored;
         }
 
         account.number = Some(context.number);

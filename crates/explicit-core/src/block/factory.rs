@@ -8,13 +8,14 @@ use powerhouse_model::{
     HistoryVariable, Lane, LawInput, ModelError, Stress, Vec3,
 };
 
+use super::Block;
 use super::account::Account;
 use super::frequency::HighestSquares;
+use super::history::History;
 use super::memory::Places;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
 use super::transfer::{BlockNodes, Locals, NodeScalar};
-use super::{Block, History};
 use crate::lanes::Lanes;
 use crate::{BlockFactory, BlockOptions, BlockPart, EngineError, Precision};
 
@@ -153,6 +154,14 @@ where
                 self.kernel.geometry(&corners, &mut one);
                 let volume = self.volume(part, mesh_element, &one).map_err(refused)?;
                 size = volume.cbrt();
+                self.law.accept_size(size).map_err(|error| {
+                    refused(EngineError::ElementSize {
+                        element: part.mesh.element_tags()[mesh_element as usize],
+                        set: self.label.to_string(),
+                        size,
+                        reason: error.to_string(),
+                    })
+                })?;
                 let shares = self.kernel.node_shares(&corners);
                 let masses = shares.map(|share| share * volume * medium.density);
                 self.check_masses(part, mesh_element, &masses)
@@ -178,7 +187,7 @@ where
             masses.resize(part.elements.len(), mass);
             frequencies.resize(part.elements.len(), frequency);
         }
-        let variables = self.law.history().len();
+        let batches = (padded / arrangement.width, arrangement.width);
         Ok(Block {
             label: self.label.clone(),
             kernel: self.kernel.clone(),
@@ -196,7 +205,7 @@ where
             active: None,
             reference: None,
             initial: AlignedNumbers::zeros(0),
-            history: History::new(variables, padded * P * variables),
+            history: History::new(self.law.history(), P, batches),
             locals: Locals::default(),
             account: Account::default(),
             law: self.law.clone(),

@@ -92,12 +92,11 @@ where
         let initial =
             core::array::from_fn(|i| initial.get(place(i, 6)).map_or(0.0, |value| value.to_f64()));
         let size = self.sizes.as_slice()[place(0, 1)].to_f64();
-        let variables = self.history.variables;
+        let variables = self.history.variables();
         let mut new = vec![0.0; variables];
         core::array::from_fn(|p| {
             let old: Vec<f64> = (0..variables)
-                .map(|h| place(p * variables + h, P * variables))
-                .map(|place| self.history.old.as_slice()[place].to_f64())
+                .map(|h| self.history.value(&self.arrangement, element, (p, h)))
                 .collect();
             let input = LawInput::new(strains[p], &old)
                 .with_initial(Stress(initial))

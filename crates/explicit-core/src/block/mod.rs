@@ -4,6 +4,7 @@ mod account;
 mod batches;
 mod factory;
 mod frequency;
+mod history;
 mod linearised;
 mod memory;
 mod numbers;
@@ -22,33 +23,17 @@ use powerhouse_model::{
 
 use crate::Rayleigh;
 use crate::lanes::{Arrangement, BatchScalar, Lanes};
-use account::Account;
+use account::{Account, StepSums};
 use batches::Batches;
+use history::History;
 use memory::Places;
 use numbers::AlignedNumbers;
-use operations::{Elastic, LawState, Material, Moduli, Rates};
+use operations::{Books, Elastic, LawState, Material, Memory, Moduli, Rates};
 use survey::Summary;
 use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
 
 pub use factory::solid;
 pub(crate) use factory::{Isotropic, coordinate_rounding};
-
-/// The history variables of all points, before and after the step.
-struct History<S> {
-    variables: usize,
-    old: AlignedNumbers<S>,
-    new: AlignedNumbers<S>,
-}
-
-impl<S: BatchScalar> History<S> {
-    fn new(variables: usize, numbers: usize) -> Self {
-        Self {
-            variables,
-            old: AlignedNumbers::zeros(numbers),
-            new: AlignedNumbers::zeros(numbers),
-        }
-    }
-}
 
 /// Elements with a kernel of `N` nodes and `P` points and a law, in the scalar `S`.
 struct Block<K, M, S, const N: usize, const P: usize> {
@@ -102,8 +87,6 @@ where
         LawState {
             initial: self.initial.as_slice(),
             size: self.sizes.as_slice(),
-            variables: self.history.variables,
-            history: self.history.old.as_slice(),
         }
     }
 
@@ -115,7 +98,8 @@ where
         self.active.as_ref().is_none_or(|active| active[element])
     }
 
-    /// Writes forces; yields whether all is finite.
+    /// Writes forces, and what the law did in the step of a length (s) if it is to be booked; yields
+    /// whether all is finite.
     ///
     /// The damping of a linear law is the elastic force of the velocity, so that it is added to
     /// the displacement of the nodes.
@@ -124,7 +108,7 @@ where
         displacement: &[Quad<A>],
         velocity: &[Quad<A>],
         damping: f64,
-        step: f64,
+        mut booked: Option<(f64, &mut StepSums)>,
         out: &mut [Quad<A>],
     ) -> bool {
         if const { size_of::<A>() < size_of::<S>() } {
@@ -138,7 +122,7 @@ where
             let mut sums = double(out);
             let (displacement, velocity) = (double(displacement), double(velocity));
             let finite =
-                self.write_forces::<f64>(&displacement, &velocity, damping, step, &mut sums);
+                self.write_forces::<f64>(&displacement, &velocity, damping, booked, &mut sums);
             for (out, sum) in out.iter_mut().zip(sums) {
                 *out = Quad::from_vector(&sum.to_vector());
             }
@@ -146,10 +130,11 @@ where
         }
         out.fill(Quad::default());
         let damped = damping != 0.0;
+        let moves = damped || (booked.is_some() && !M::LINEAR);
         let mut locals = core::mem::take(&mut self.locals);
         let local = A::local(&mut locals);
         copy_nodes(displacement, &self.nodes, &mut local.displacement);
-        if damped {
+        if moves {
             copy_nodes(velocity, &self.nodes, &mut local.velocity);
         }
         if M::LINEAR && damped {
@@ -165,21 +150,22 @@ where
         let finite = if M::LINEAR {
             self.elastic(&local.displacement, Some(out), None)
         } else {
-            let rates = damped.then_some(Rates {
+            let numbers = self.places.as_slice().len() * P * 6;
+            let mut account = core::mem::take(&mut self.account);
+            let mut history = core::mem::take(&mut self.history);
+            let books = booked.as_mut().map(|(step, sums)| Books {
+                step: *step,
+                stresses: account.stresses(numbers).as_mut_slice(),
+                sums,
+            });
+            let rates = moves.then_some(Rates {
                 velocity: &local.velocity,
                 damping,
-                step,
-                stored: None,
+                books,
             });
-            let mut new = core::mem::replace(&mut self.history.new, AlignedNumbers::zeros(0));
-            let finite = self.material(
-                &local.displacement,
-                rates,
-                Some(new.as_mut_slice()),
-                Some(out),
-                None,
-            );
-            self.history.new = new;
+            let memory = Memory::Write(&mut history);
+            let finite = self.material(&local.displacement, memory, rates, Some(out), None);
+            (self.account, self.history) = (account, history);
             finite
         };
         self.locals = locals;
@@ -208,8 +194,8 @@ where
     fn material<A: BatchScalar>(
         &self,
         nodes: &[Quad<A>],
+        history: Memory<S>,
         rates: Option<Rates<A, S>>,
-        new_history: Option<&mut [S]>,
         out: Option<&mut [Quad<A>]>,
         survey: Option<&mut [Summary]>,
     ) -> bool {
@@ -219,9 +205,9 @@ where
             batches: self.batches(),
             moduli: self.moduli,
             state: self.law_state(),
+            history,
             nodes,
             rates,
-            new_history,
             out,
             survey,
         };
@@ -241,12 +227,13 @@ where
 
     /// What is known of each element at a displacement since the reference (by place), under the
     /// committed history.
-    fn survey(&self, nodes: &[Quad<f64>], rates: Option<Rates<f64, S>>) -> Vec<Summary> {
+    fn survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
         if M::LINEAR {
             return self.elastic_survey(nodes);
         }
         let mut survey = vec![Summary::default(); self.elements.len()];
-        self.material(nodes, rates, None, None, Some(&mut survey));
+        let memory = Memory::Read(&self.history);
+        self.material::<f64>(nodes, memory, None, None, Some(&mut survey));
         survey
     }
 
@@ -261,7 +248,7 @@ where
     fn fault(&self, context: &BlockContext) -> Option<ElementFault> {
         let displacement = self.since_reference(context.displacement);
         let velocity = by_place(&self.nodes.numbers, context.velocity);
-        let survey = self.survey(&displacement, None);
+        let survey = self.survey(&displacement);
         let finite = |values: &[Quad<f64>], place: u32| {
             let vector = values[place as usize].to_vector();
             vector.iter().all(|component| component.is_finite())
@@ -296,14 +283,15 @@ where
         out: &mut [Quad<A>],
     ) -> Result<(), ElementFault> {
         let damping = self.coefficient(context);
-        let finite = self.write_forces(displacement, velocity, damping, context.step, out);
+        let mut sums = StepSums::default();
+        let booked = context.ledger.then_some((context.step, &mut sums));
+        let finite = self.write_forces(displacement, velocity, damping, booked, out);
         if !finite && let Some(fault) = self.fault(context) {
             return Err(fault);
         }
         if context.ledger {
-            let displacement = self.since_reference(context.displacement);
             let velocity = by_place(&self.nodes.numbers, context.velocity);
-            self.book_step(context, &displacement, velocity);
+            self.book_step(context, velocity, &sums);
         }
         Ok(())
     }
@@ -385,7 +373,7 @@ where
         }
     }
     fn commit(&mut self) {
-        core::mem::swap(&mut self.history.old, &mut self.history.new);
+        self.history.commit();
     }
     fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut) {
         match (x, out) {
@@ -447,63 +435,28 @@ where
         self.account.rest();
     }
     fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
-        let survey = self.survey(&self.since_reference(displacement), None);
+        let survey = self.survey(&self.since_reference(displacement));
         for (out, summary) in out.iter_mut().zip(&survey) {
             *out = *out + summary.stress;
         }
     }
     fn energy(&self, context: &BlockContext) -> BlockEnergy {
-        let mut energy = BlockEnergy {
-            plastic: self.account.plastic,
-            damping: self.account.damping,
-            ..BlockEnergy::default()
-        };
-        for summary in self.survey(&self.since_reference(context.displacement), None) {
+        let mut energy = self.account.spent();
+        for summary in self.survey(&self.since_reference(context.displacement)) {
             energy.elastic += summary.elastic;
             energy.hourglass += summary.hourglass;
         }
         energy
     }
     fn history(&self) -> Vec<HistoryField> {
-        let variables = self.history.variables;
-        let old = self.history.old.as_slice();
-        let field = |(h, variable): (usize, &powerhouse_model::HistoryVariable)| HistoryField {
-            name: variable.name.into(),
-            elements: self.elements.clone(),
-            points: P,
-            values: (0..self.elements.len() * P)
-                .map(|i| {
-                    let index = (i % P) * variables + h;
-                    old[self.arrangement.place(i / P, index, P * variables)].to_f64()
-                })
-                .collect(),
-        };
-        self.law.history().iter().enumerate().map(field).collect()
+        self.history.fields(&self.arrangement, &self.elements)
     }
     fn set_history(&mut self, fields: &[HistoryField]) {
-        let variables = self.history.variables;
-        for (h, variable) in self.law.history().iter().enumerate() {
-            for field in fields {
-                if field.name != variable.name || field.points != P {
-                    continue;
-                }
-                let row_of: std::collections::HashMap<u32, usize> =
-                    field.elements.iter().copied().zip(0..).collect();
-                for (element, mesh_element) in self.elements.iter().enumerate() {
-                    let Some(&row) = row_of.get(mesh_element) else {
-                        continue;
-                    };
-                    for p in 0..P {
-                        let place =
-                            self.arrangement
-                                .place(element, p * variables + h, P * variables);
-                        let value = S::from_f64(field.values[row * P + p]);
-                        self.history.old.as_mut_slice()[place] = value;
-                        self.history.new.as_mut_slice()[place] = value;
-                    }
-                }
-            }
-        }
+        let (arrangement, elements) = (self.arrangement, &self.elements);
+        self.history.set_fields(&arrangement, elements, fields);
         self.account.rest();
+    }
+    fn shown_history(&self, place: usize, variable: &str) -> Option<f64> {
+        self.history.shown(&self.arrangement, place, variable)
     }
 }

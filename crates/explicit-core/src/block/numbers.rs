@@ -6,7 +6,7 @@ use powerhouse_model::Scalar;
 const LINE: usize = 64;
 
 /// Numbers that begin at a cache line, so that no register load straddles two.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct AlignedNumbers<S> {
     numbers: Vec<S>,
     start: usize,

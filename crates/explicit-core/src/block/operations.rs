@@ -1,8 +1,12 @@
 //! What a block does to all of its batches at a step.
 
-use powerhouse_model::{ConstitutiveLaw, ElementKernel, Geometry, LawInput, Quad, Strain, Stress};
+use powerhouse_model::{
+    ConstitutiveLaw, ElementKernel, Geometry, LawEnergy, LawInput, Quad, Strain, Stress,
+};
 
-use super::batches::{Batch, Batches};
+use super::account::StepSums;
+use super::batches::Batches;
+use super::history::History;
 use super::survey::{
     Summary, complementary_energy, each_lane, linear_energy, step_work, write_mean,
 };
@@ -113,10 +117,24 @@ pub(super) struct LawState<'a, S> {
     pub(super) initial: &'a [S],
     /// One number per element.
     pub(super) size: &'a [S],
-    /// Numbers per point and element.
-    pub(super) variables: usize,
-    /// The committed history: variables of the points of a batch.
-    pub(super) history: &'a [S],
+}
+
+/// What is done with the history.
+pub(super) enum Memory<'a, S> {
+    /// The committed one stays the only one.
+    Read(&'a History<S>),
+    /// The new one is kept beside it.
+    Write(&'a mut History<S>),
+}
+
+impl<S> Memory<'_, S> {
+    #[inline(always)]
+    fn get(&self) -> &History<S> {
+        match self {
+            Self::Read(history) => history,
+            Self::Write(history) => history,
+        }
+    }
 }
 
 /// Velocities, for damping and for the work of a step.
@@ -125,10 +143,18 @@ pub(super) struct Rates<'a, A: BatchScalar, S> {
     pub(super) velocity: &'a [Quad<A>],
     /// Stiffness damping coefficient (s).
     pub(super) damping: f64,
+    /// The account of the step, if one is kept.
+    pub(super) books: Option<Books<'a, S>>,
+}
+
+/// The account of a step.
+pub(super) struct Books<'a, S> {
     /// Length of the step (s).
     pub(super) step: f64,
-    /// Stresses of the step before, six numbers per point, if work is accounted for.
-    pub(super) stored: Option<&'a mut [S]>,
+    /// Stresses of the step before, six numbers per point; those of this step afterwards.
+    pub(super) stresses: &'a mut [S],
+    /// What all elements did in the step.
+    pub(super) sums: &'a mut StepSums,
 }
 
 /// Forces of a law that is not linear; yields whether all is finite.
@@ -138,10 +164,9 @@ pub(super) struct Material<'a, K, M, A: BatchScalar, S, const N: usize, const P:
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
     pub(super) state: LawState<'a, S>,
+    pub(super) history: Memory<'a, S>,
     pub(super) nodes: &'a [Quad<A>],
     pub(super) rates: Option<Rates<'a, A, S>>,
-    /// Where the new history goes, if it is wanted.
-    pub(super) new_history: Option<&'a mut [S]>,
     /// By place, if wanted.
     pub(super) out: Option<&'a mut [Quad<A>]>,
     /// One per element, if wanted.
@@ -163,8 +188,10 @@ where
         let mut rows = Turned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
-        let mut old = vec![L::splat(token, 0.0); self.state.variables];
-        let mut new = old.clone();
+        let blank = vec![L::splat(token, 0.0); self.history.get().variables()];
+        let (mut old, mut new) = (blank.clone(), blank.clone());
+        let wants_energy = self.survey.is_some()
+            || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
         let nodes = self.batches.places.over(self.nodes);
         for index in 0..self.batches.count(L::WIDTH) {
             let batch = self
@@ -174,15 +201,31 @@ where
             gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
             let mut modes = self.kernel.modes(&nodal);
             let strains = self.kernel.strains(geometry, &modes);
-            let mut stresses = self.ask::<L>(token, index, &strains, (&mut old, &mut new));
-            if let (Some(new), true) = (self.new_history.as_deref_mut(), batch.active.is_some()) {
-                keep_history::<L, S, N>(&self.state, &batch, index, P, new);
+            let mut energies = None;
+            let mut stresses = self.ask::<L>(
+                token,
+                index,
+                &strains,
+                (&blank, &mut old, &mut new),
+                wants_energy.then_some(&mut energies),
+            );
+            if let (Memory::Write(history), true) = (&mut self.history, batch.active.is_some()) {
+                for lane in 0..L::WIDTH {
+                    if !batch.has(batch.arrangement.element_in[lane]) {
+                        history.take_back(index, lane);
+                    }
+                }
             }
-            if let Some(survey) = self.survey.as_deref_mut() {
-                let volumes = self.kernel.volumes(geometry);
+            let volumes = self.kernel.volumes(geometry);
+            let energy = wants_energy.then(|| {
+                let undamaged = || complementary_energy(self.moduli, &volumes, &stresses);
+                Energy::over(&volumes, energies.as_ref(), undamaged)
+            });
+            if let (Some(survey), Some(energy)) = (self.survey.as_deref_mut(), &energy) {
                 write_mean(&volumes, &stresses, &batch, survey);
-                let energy = complementary_energy(self.moduli, &volumes, &stresses);
-                each_lane(energy, &batch, |e, energy| survey[e].elastic = energy);
+                each_lane(energy.sum.stored, &batch, |e, energy| {
+                    survey[e].elastic = energy;
+                });
                 if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, &modes) {
                     each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
                 }
@@ -193,21 +236,18 @@ where
                 gather::<A, L, N>(token, velocity, &mut nodal);
                 let modal_rates = self.kernel.modes(&nodal);
                 let strain_rates = self.kernel.strains(geometry, &modal_rates);
-                if let (Some(survey), Some(stored)) =
-                    (self.survey.as_deref_mut(), rates.stored.as_deref_mut())
-                {
-                    let volumes = self.kernel.volumes(geometry);
+                if let (Some(books), Some(energy)) = (&mut rates.books, energy) {
                     let numbers = 6 * P * L::WIDTH;
-                    let stored = &mut stored[index * numbers..(index + 1) * numbers];
+                    let before = &mut books.stresses[index * numbers..(index + 1) * numbers];
                     let work = step_work(
                         &geometry,
-                        rates.step,
+                        books.step,
                         &volumes,
                         &stresses,
                         &strain_rates,
-                        stored,
+                        before,
                     );
-                    each_lane(work, &batch, |e, work| survey[e].work = work);
+                    books.sums.add(work, &energy, &batch);
                 }
                 let lambda = L::splat(token, rates.damping * self.moduli.lambda);
                 let shear = L::splat(token, rates.damping * self.moduli.shear);
@@ -240,14 +280,16 @@ where
     A: BatchScalar,
     S: BatchScalar,
 {
-    /// Stresses at the points of a batch; writes the new histories.
+    /// Stresses at the points of a batch, and their energies if wanted and the law tells them;
+    /// writes the new histories.
     #[inline(always)]
     fn ask<L: BatchLane<Scalar = S>>(
         &mut self,
         token: L::Token,
         index: usize,
         strains: &[Strain<L>; P],
-        (old, new): (&mut [L], &mut [L]),
+        (blank, old, new): (&[L], &mut [L], &mut [L]),
+        mut energies: Option<&mut Option<[LawEnergy<L>; P]>>,
     ) -> [Stress<L>; P] {
         let state = &self.state;
         let mut initial = Stress::zero(token);
@@ -258,42 +300,75 @@ where
         }
         let size = L::load(token, &state.size[index * L::WIDTH..]);
         let mut stresses = [initial; P];
+        if let Memory::Write(history) = &mut self.history {
+            history.retry(index);
+        }
         for p in 0..P {
-            let place = (index * P + p) * state.variables;
-            for h in 0..state.variables {
-                old[h] = L::load(token, &state.history[(place + h) * L::WIDTH..]);
-            }
-            let input = LawInput::new(strains[p], old)
+            let committed = self.history.get().committed(index);
+            let before: &[L] = match committed {
+                Some(numbers) => {
+                    let variables = old.len();
+                    for h in 0..variables {
+                        old[h] = L::load(token, &numbers[(p * variables + h) * L::WIDTH..]);
+                    }
+                    old
+                }
+                None => blank,
+            };
+            let input = LawInput::new(strains[p], before)
                 .with_initial(initial)
                 .with_size(size);
             stresses[p] = self.law.stress_change(&input, new);
-            if let Some(new_history) = self.new_history.as_deref_mut() {
-                for h in 0..state.variables {
-                    new[h].store(&mut new_history[(place + h) * L::WIDTH..]);
-                }
+            if let Some(energies) = &mut energies
+                && let Some(energy) = self.law.energy(&input, new)
+            {
+                energies.get_or_insert([energy; P])[p] = energy;
+            }
+            if let Memory::Write(history) = &mut self.history {
+                history.take(index, p, before, new);
             }
         }
         stresses
     }
 }
 
-/// Takes the history of inactive elements back.
-#[inline(always)]
-fn keep_history<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
-    state: &LawState<S>,
-    batch: &Batch<S, N>,
-    index: usize,
-    points: usize,
-    new_history: &mut [S],
-) {
-    let numbers = points * state.variables;
-    for lane in 0..L::WIDTH {
-        if batch.has(batch.arrangement.element_in[lane]) {
-            continue;
+/// Energies of a batch in a step (J).
+pub(super) struct Energy<L> {
+    /// Of all points.
+    pub(super) sum: LawEnergy<L>,
+    /// Whether the law told them; else there is only what an undamaged medium holds.
+    pub(super) told: bool,
+}
+
+impl<L: BatchLane> Energy<L> {
+    /// Integrates the energies of the points, or takes those of an undamaged medium.
+    #[inline(always)]
+    fn over<const P: usize>(
+        volumes: &[L; P],
+        points: Option<&[LawEnergy<L>; P]>,
+        undamaged: impl FnOnce() -> L,
+    ) -> Self {
+        let zero = volumes[0].constant(0.0);
+        let mut sum = LawEnergy {
+            stored: zero,
+            plastic: zero,
+            damage: zero,
+            recovered: zero,
+        };
+        match points {
+            Some(points) => {
+                for (point, &volume) in points.iter().zip(volumes) {
+                    sum.stored = point.stored.mul_add(volume, sum.stored);
+                    sum.plastic = point.plastic.mul_add(volume, sum.plastic);
+                    sum.damage = point.damage.mul_add(volume, sum.damage);
+                    sum.recovered = point.recovered.mul_add(volume, sum.recovered);
+                }
+            }
+            None => sum.stored = undamaged(),
         }
-        for number in 0..numbers {
-            let place = (index * numbers + number) * L::WIDTH + lane;
-            new_history[place] = state.history[place];
+        Self {
+            sum,
+            told: points.is_some(),
         }
     }
 }

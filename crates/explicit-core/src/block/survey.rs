@@ -16,8 +16,6 @@ pub(super) struct Summary {
     pub(super) elastic: f64,
     /// Energy held by hourglass resistance (J).
     pub(super) hourglass: f64,
-    /// Work of the stresses in the last step (J).
-    pub(super) work: f64,
 }
 
 /// Calls `put(element, number)` for every element of a batch that takes part.

@@ -255,6 +255,7 @@ impl Ledger {
             ("plastic", sum.plastic),
             ("damage", sum.damage),
             ("recovery", sum.recovery),
+            ("integration", sum.integration),
             ("relaxation", sum.relaxation),
             ("stiffness damping", sum.damping),
             ("mass damping", nodal.mass_damping.total()),

@@ -55,10 +55,7 @@ impl ConstitutiveLaw for Softening {
         self.0
     }
     fn history(&self) -> &'static [HistoryVariable] {
-        &[HistoryVariable {
-            name: "largest_strain",
-            unit: "1",
-        }]
+        const { &[HistoryVariable::amount("largest_strain", "1")] }
     }
     #[inline(always)]
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new: &mut [L]) -> Stress<L> {

@@ -1,0 +1,259 @@
+//! The history variables of all points of a block: committed ones, and those of the last forces.
+
+use std::collections::HashMap;
+
+use powerhouse_model::{HistoryField, HistoryVariable, Scalar};
+
+use super::numbers::AlignedNumbers;
+use crate::lanes::{Arrangement, BatchLane, BatchScalar};
+
+/// Where a batch of elements stands.
+#[derive(Clone, Copy, Debug)]
+struct Stand {
+    /// Which of the two stores holds the committed history.
+    side: u8,
+    /// Whether the other store holds another history, that of the last forces.
+    changed: bool,
+    /// Whether the committed history is still all zero.
+    blank: bool,
+}
+
+/// History variables, batch by batch.
+///
+/// Most points of most steps stay as they are: a batch whose history has never changed is not read,
+/// one whose history does not change in a step is not written. Committing turns a batch to its
+/// other store and copies nothing.
+#[derive(Debug, Default)]
+pub(super) struct History<S> {
+    variables: &'static [HistoryVariable],
+    points: usize,
+    width: usize,
+    stores: [AlignedNumbers<S>; 2],
+    stands: Vec<Stand>,
+}
+
+impl<S: BatchScalar> History<S> {
+    /// Zeros for some batches of a width, with some points per element.
+    pub(super) fn new(
+        variables: &'static [HistoryVariable],
+        points: usize,
+        (batches, width): (usize, usize),
+    ) -> Self {
+        let numbers = batches * width * points * variables.len();
+        let stand = Stand {
+            side: 0,
+            changed: false,
+            blank: true,
+        };
+        Self {
+            variables,
+            points,
+            width,
+            stores: [(); 2].map(|()| AlignedNumbers::zeros(numbers)),
+            stands: vec![stand; batches],
+        }
+    }
+
+    /// Numbers per batch.
+    fn numbers(&self) -> usize {
+        self.points * self.variables.len() * self.width
+    }
+    /// How many variables a point has.
+    #[inline(always)]
+    pub(super) fn variables(&self) -> usize {
+        self.variables.len()
+    }
+    /// The committed numbers of a batch; none if they are all zero.
+    #[inline(always)]
+    pub(super) fn committed(&self, batch: usize) -> Option<&[S]> {
+        let stand = self.stands[batch];
+        let numbers = self.numbers();
+        let store = self.stores[usize::from(stand.side)].as_slice();
+        (!stand.blank).then(|| &store[batch * numbers..][..numbers])
+    }
+    /// The numbers of a batch after the last forces; none if they are all zero.
+    fn latest(&self, batch: usize) -> Option<&[S]> {
+        let stand = self.stands[batch];
+        if !stand.changed {
+            return self.committed(batch);
+        }
+        let numbers = self.numbers();
+        let store = self.stores[usize::from(1 - stand.side)].as_slice();
+        Some(&store[batch * numbers..][..numbers])
+    }
+
+    /// Forgets what the last forces made of a batch.
+    #[inline(always)]
+    pub(super) fn retry(&mut self, batch: usize) {
+        self.stands[batch].changed = false;
+    }
+    /// Takes the new history of one point of a batch, point after point; stored from the first
+    /// point on that differs from the committed one.
+    #[inline(always)]
+    pub(super) fn take<L: BatchLane<Scalar = S>>(
+        &mut self,
+        batch: usize,
+        point: usize,
+        old: &[L],
+        new: &[L],
+    ) {
+        if !self.stands[batch].changed {
+            if !differ(old, new) {
+                return;
+            }
+            self.begin(batch);
+        }
+        let (start, length) = (batch * self.numbers(), new.len() * L::WIDTH);
+        let store = &mut self.stores[usize::from(1 - self.stands[batch].side)];
+        let numbers = &mut store.as_mut_slice()[start + point * length..][..length];
+        for (h, value) in new.iter().enumerate() {
+            value.store(&mut numbers[h * L::WIDTH..]);
+        }
+    }
+    /// Opens the other store of a batch with a copy of the committed history.
+    fn begin(&mut self, batch: usize) {
+        let numbers = self.numbers();
+        let range = batch * numbers..(batch + 1) * numbers;
+        let stand = &mut self.stands[batch];
+        stand.changed = true;
+        let [first, second] = &mut self.stores;
+        let (from, to) = match stand.side {
+            0 => (first, second),
+            _ => (second, first),
+        };
+        to.as_mut_slice()[range.clone()].copy_from_slice(&from.as_slice()[range]);
+    }
+    /// Takes the new history of one lane of a batch back.
+    pub(super) fn take_back(&mut self, batch: usize, lane: usize) {
+        let stand = self.stands[batch];
+        if !stand.changed {
+            return;
+        }
+        let numbers = self.numbers();
+        let [first, second] = &mut self.stores;
+        let (from, to) = match stand.side {
+            0 => (first, second),
+            _ => (second, first),
+        };
+        for place in (batch * numbers + lane..(batch + 1) * numbers).step_by(self.width) {
+            to.as_mut_slice()[place] = from.as_slice()[place];
+        }
+    }
+    /// Makes the history of the last forces the committed one.
+    pub(super) fn commit(&mut self) {
+        for stand in &mut self.stands {
+            if stand.changed {
+                stand.side = 1 - stand.side;
+                stand.changed = false;
+                stand.blank = false;
+            }
+        }
+    }
+
+    /// A committed number of an element, by point and variable.
+    pub(super) fn value(
+        &self,
+        arrangement: &Arrangement,
+        element: usize,
+        (point, variable): (usize, usize),
+    ) -> f64 {
+        let numbers = self.committed(element / self.width);
+        let place = self.place(arrangement, element, (point, variable));
+        numbers.map_or(0.0, |numbers| numbers[place].to_f64())
+    }
+    /// What an element shows of a variable after the last forces.
+    pub(super) fn shown(
+        &self,
+        arrangement: &Arrangement,
+        element: usize,
+        variable: &str,
+    ) -> Option<f64> {
+        let (v, variable) = self.find(variable)?;
+        let numbers = self.latest(element / self.width);
+        let of_point = |point: usize| {
+            let place = self.place(arrangement, element, (point, v));
+            numbers.map_or(0.0, |numbers| numbers[place].to_f64())
+        };
+        Some(variable.of_element((0..self.points).map(of_point)))
+    }
+    /// The committed history of some elements of the mesh, by name.
+    pub(super) fn fields(&self, arrangement: &Arrangement, elements: &[u32]) -> Vec<HistoryField> {
+        let variables = self.variables.iter().enumerate();
+        let field = |(v, variable): (usize, &HistoryVariable)| HistoryField {
+            name: variable.name.into(),
+            elements: elements.to_vec(),
+            points: self.points,
+            values: (0..elements.len() * self.points)
+                .map(|i| self.value(arrangement, i / self.points, (i % self.points, v)))
+                .collect(),
+        };
+        variables.map(field).collect()
+    }
+    /// Takes over what belongs to some elements of the mesh.
+    pub(super) fn set_fields(
+        &mut self,
+        arrangement: &Arrangement,
+        elements: &[u32],
+        fields: &[HistoryField],
+    ) {
+        for field in fields.iter().filter(|field| field.points == self.points) {
+            let Some((v, _)) = self.find(&field.name) else {
+                continue;
+            };
+            let row_of: HashMap<u32, usize> = field.elements.iter().copied().zip(0..).collect();
+            for (element, mesh_element) in elements.iter().enumerate() {
+                let Some(&row) = row_of.get(mesh_element) else {
+                    continue;
+                };
+                let batch = element / self.width;
+                self.stands[batch].changed = false;
+                for point in 0..self.points {
+                    let value = field.values[row * self.points + point];
+                    let place = self.place(arrangement, element, (point, v));
+                    let place = batch * self.numbers() + place;
+                    let stand = &mut self.stands[batch];
+                    stand.blank &= value == 0.0;
+                    let store = &mut self.stores[usize::from(stand.side)];
+                    store.as_mut_slice()[place] = S::from_f64(value);
+                }
+            }
+        }
+    }
+
+    fn find(&self, name: &str) -> Option<(usize, &HistoryVariable)> {
+        let mut variables = self.variables.iter().enumerate();
+        variables.find(|(_, variable)| variable.name == name)
+    }
+    /// Where a number of an element stands among those of its batch.
+    fn place(
+        &self,
+        arrangement: &Arrangement,
+        element: usize,
+        (point, variable): (usize, usize),
+    ) -> usize {
+        let index = point * self.variables.len() + variable;
+        arrangement.place(element % self.width, index, 0)
+    }
+}
+
+/// Whether any lane of any number differs, or is not a number.
+#[inline(always)]
+fn differ<L: BatchLane>(old: &[L], new: &[L]) -> bool {
+    let Some(&first) = new.first() else {
+        return false;
+    };
+    let zero = first.constant(0.0);
+    let mut sum = zero;
+    for (old, new) in old.iter().zip(new) {
+        sum = sum + (*new - *old).abs();
+    }
+    // Below the least positive number there is only zero; NaN is not below it.
+    let single = L::Scalar::from_f64(f64::from_bits(1)).to_f64() == 0.0;
+    let least = if single {
+        f64::from(f32::from_bits(1))
+    } else {
+        f64::from_bits(1)
+    };
+    let differs = zero.select(sum.less(first.constant(least)), first.constant(1.0));
+    first.any(zero.less(differs))
+}

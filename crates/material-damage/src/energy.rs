@@ -1,0 +1,65 @@
+//! Energies of points, for the ledger.
+
+use powerhouse_model::{ElasticMedium, Lane, LawEnergy, LawInput, Strain, Stress};
+
+use crate::surface::mean_and_shear;
+
+/// `s : C^-1 : s / 2` (J/m3).
+#[inline(always)]
+pub(crate) fn elastic_energy<L: Lane>(medium: &ElasticMedium, stress: &Stress<L>) -> L {
+    let (mean, shear) = mean_and_shear(stress);
+    let volume = mean * mean * mean.constant(0.5 / medium.bulk());
+    let shape = shear * shear * mean.constant(0.5 / medium.shear());
+    volume + shape
+}
+
+/// A step of a material with elastic strain, plastic flow and scalar damage.
+pub(crate) struct Step<'a, L: Lane> {
+    /// The undamaged medium.
+    pub(crate) medium: &'a ElasticMedium,
+    /// What the law was told.
+    pub(crate) input: &'a LawInput<'a, L>,
+    /// Elastic strain at the end, that of the initial stress aside.
+    pub(crate) elastic: Strain<L>,
+    /// Increment of plastic strain; none for laws without flow.
+    pub(crate) flowed: Option<Strain<L>>,
+    /// Damage before and after.
+    pub(crate) damage: [L; 2],
+}
+
+impl<L: Lane> Step<'_, L> {
+    /// [`LawEnergy`] by its definition, written so that the energy of the initial stress does not
+    /// cancel where there is no damage.
+    #[inline(always)]
+    pub(crate) fn energy(&self) -> LawEnergy<L> {
+        let Self {
+            medium,
+            input,
+            elastic,
+            flowed,
+            damage: [before, after],
+        } = self;
+        let number = |value: f64| after.constant(value);
+        let zero = number(0.0);
+        let (lambda, shear) = (number(medium.lambda()), number(medium.shear()));
+        let change = Stress::elastic(lambda, shear, elastic);
+        let effective = input.initial + change;
+        let left = number(1.0) - *after;
+        let gained = change.work(elastic) * number(0.5) + input.initial.work(elastic);
+        let lost = *after * elastic_energy(medium, &input.initial);
+        let plastic = flowed.map_or(zero, |flowed| left * effective.work(&flowed));
+        let grown = elastic_energy(medium, &effective) * (*after - *before);
+        LawEnergy {
+            stored: left * gained - lost - input.initial.work(&input.strain),
+            plastic: plastic.max(zero),
+            damage: grown.max(zero),
+            recovered: (-grown).max(zero),
+        }
+    }
+}
+
+/// The difference of two strains that begin at a place of a history.
+#[inline(always)]
+pub(crate) fn difference<L: Lane>(after: &[L], before: &[L]) -> Strain<L> {
+    Strain(core::array::from_fn(|i| after[i] - before[i]))
+}
