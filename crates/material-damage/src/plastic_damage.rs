@@ -29,14 +29,14 @@ pub struct PlasticDamageParameters<S> {
 /// Damage that makes a type.
 const COUNTS: f64 = 1.0e-3;
 
-const TENSION: usize = 6;
-const COMPRESSION: usize = 7;
-const DAMAGE_TENSION: usize = 8;
-const DAMAGE_COMPRESSION: usize = 9;
+pub(crate) const TENSION: usize = 6;
+pub(crate) const COMPRESSION: usize = 7;
+pub(crate) const DAMAGE_TENSION: usize = 8;
+pub(crate) const DAMAGE_COMPRESSION: usize = 9;
 const DAMAGE: usize = 10;
 const DAMAGE_TYPE: usize = 11;
-const YIELD_STATE: usize = 12;
-const HISTORY: [HistoryVariable; 13] = {
+pub(crate) const YIELD_STATE: usize = 12;
+pub(crate) const HISTORY: [HistoryVariable; 13] = {
     let [xx, yy, zz, xy, yz, zx] = PLASTIC_STRAINS;
     [
         xx,
@@ -164,7 +164,7 @@ impl<S: YieldSurface> PlasticDamage<S> {
 
 /// The share of tension in principal stresses, `sum <s_i> / sum |s_i|`; one without stress.
 #[inline(always)]
-fn share_of_tension<L: Lane>(stress: &[L; 3]) -> L {
+pub(crate) fn share_of_tension<L: Lane>(stress: &[L; 3]) -> L {
     let zero = stress[0].constant(0.0);
     let one = stress[0].constant(1.0);
     let [a, b, c] = stress.map(|s| s.abs());
@@ -180,6 +180,34 @@ fn positive<L: Lane>(numbers: [L; 3]) -> L {
     let zero = numbers[0].constant(0.0);
     let [a, b, c] = numbers.map(|x| x.max(zero));
     a + b + c
+}
+
+/// The nominal change of stress of an effective one (Pa), by the damage in tension and compression
+/// of the history, the share of tension in the stress, and the shares of stiffness that recovers
+/// and that stays; writes `D` and its type.
+#[inline(always)]
+pub(crate) fn weaken<L: Lane>(
+    change: &Stress<L>,
+    initial: &Stress<L>,
+    history: &mut [L],
+    tension: L,
+    [recovery, residual]: [f64; 2],
+) -> Stress<L> {
+    let number = |value: f64| tension.constant(value);
+    let (zero, one) = (number(0.0), number(1.0));
+    let (torn, broken) = (history[DAMAGE_TENSION], history[DAMAGE_COMPRESSION]);
+    let closed = number(recovery) * (one - tension);
+    let left = (one - broken) * (one - (one - closed) * torn);
+    let left = left.max(number(residual));
+    let damage = one - left;
+    history[DAMAGE] = damage;
+    let counts = number(COUNTS);
+    let is_torn = one.select(counts.less(torn), zero);
+    let is_broken = (one + one).select(counts.less(broken), zero);
+    history[DAMAGE_TYPE] = is_torn + is_broken;
+    Stress(core::array::from_fn(|i| {
+        left * change.0[i] - damage * initial.0[i]
+    }))
 }
 
 impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
@@ -233,19 +261,16 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             tension = share_of_tension(&PrincipalAxes::of(&trial).values);
         }
 
-        let (torn, broken) = (new_history[DAMAGE_TENSION], new_history[DAMAGE_COMPRESSION]);
-        let closed = number(self.parameters.stiffness_recovery) * (one - tension);
-        let left = (one - broken) * (one - (one - closed) * torn);
-        let left = left.max(number(self.parameters.residual_stiffness));
-        let damage = one - left;
-        new_history[DAMAGE] = damage;
-        let counts = number(COUNTS);
-        let is_torn = one.select(counts.less(torn), zero);
-        let is_broken = (one + one).select(counts.less(broken), zero);
-        new_history[DAMAGE_TYPE] = is_torn + is_broken;
-        Stress(core::array::from_fn(|i| {
-            left * change.0[i] - damage * input.initial.0[i]
-        }))
+        weaken(
+            &change,
+            &input.initial,
+            new_history,
+            tension,
+            [
+                self.parameters.stiffness_recovery,
+                self.parameters.residual_stiffness,
+            ],
+        )
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {

@@ -1,0 +1,463 @@
+//! Concrete damaged plasticity after Lubliner, Lee and Fenves.
+
+use powerhouse_model::{
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, ParameterError, Strain, Stress,
+};
+
+use crate::plastic_damage::{
+    COMPRESSION, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE,
+    share_of_tension, weaken,
+};
+use crate::root::{rounding, zero_between};
+use crate::surface::{YieldState, mean_and_shear};
+use crate::uniaxial::UniaxialCurve;
+use crate::{MaterialError, PrincipalAxes};
+
+const ROOT_3: f64 = 1.732_050_807_568_877_2;
+
+/// What a [`LeeFenves`] law is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeeFenvesParameters {
+    /// The elastic medium.
+    pub medium: ElasticMedium,
+    /// Uniaxial tensile strength `f_t` (Pa).
+    pub tension_strength: f64,
+    /// Uniaxial compressive strength `f_c` (Pa), at least `f_t`.
+    pub compression_strength: f64,
+    /// Uniaxial compressive stress at first flow `f_0` (Pa), `f_c / 10` to `f_c`.
+    pub compression_limit: f64,
+    /// Strength in equal biaxial compression over the uniaxial one, 1 to 1.5; concrete: 1.16.
+    pub biaxial_ratio: f64,
+    /// `K_c`, radius of the surface on the tensile over that on the compressive meridian, 0.55 to
+    /// 1; concrete: 2/3.
+    pub meridian_ratio: f64,
+    /// Dilation angle in the plane of mean and equivalent stress (degrees), 1 to the greatest that
+    /// never gains energy; concrete: 36.
+    pub dilation: f64,
+    /// Energy per area of crack (N/m).
+    pub tension_energy: f64,
+    /// Energy per area of crushing band (N/m).
+    pub compression_energy: f64,
+    /// The share `r_t` of damage in softening, 0 (all strain stays) to 1 (the effective strength
+    /// stays).
+    pub tension_damage: f64,
+    /// The same in compression, `r_c`.
+    pub compression_damage: f64,
+    /// The share of tensile damage that heals when cracks close, 0 to 1.
+    pub stiffness_recovery: f64,
+    /// The share of stiffness that no damage takes away, 1e-6 to 1.
+    pub residual_stiffness: f64,
+}
+
+/// Plasticity of the effective stress with softening, and damage in tension and compression that
+/// belongs to it: "concrete damaged plasticity".
+///
+/// `sigma = (1 - D) s`, `s = sigma0 + C (epsilon - epsilon_p)`, with `I1`, `J2` and the greatest
+/// principal value `s1` of `s`:
+///
+/// - yield: `(A I1 + sqrt(3 J2) + B <s1> - g <-s1>) / (1 - A) <= c`, `A = (b - 1) / (2b - 1)` of the
+///   biaxial ratio `b`, `B = (1 - A) c / t - (1 + A)`, `g = 3 (1 - K_c) / (2 K_c - 1)`;
+/// - flow: along `sqrt(3 J2) + tan(psi) I1 / 3`;
+/// - effective strengths `t` and `c` and damage `d_t` and `d_c` by the uniaxial curves
+///
+///   `(1 - d_t) t = f_t exp(-b_t e_t)`, `1 - d_t = exp(-r_t b_t e_t)`
+///
+///   `(1 - d_c) c = f_0 ((1 + a) exp(-b_c e_c) - a exp(-2 b_c e_c))`, `1 - d_c = exp(-r_c b_c e_c)`
+///
+///   where `a >= 1` makes the peak `f_c`, and `b_t`, `b_c` are such that a band of the element's
+///   width takes its energy, elastic energy included;
+/// - `de_t = r <dp1>`, `de_c = (1 - r) <-dp3>` of the greatest and least increment of plastic strain
+///   and the share of tension `r = sum <s_i> / sum |s_i|`;
+/// - `D = 1 - (1 - d_c)(1 - (1 - w (1 - r)) d_t)` with the stiffness recovery `w`.
+///
+/// # History
+/// As [`PlasticDamage`](crate::PlasticDamage): plastic strain (six components, engineering shears),
+/// `e_t`, `e_c`, `d_t`, `d_c`, `D`, damage type, [`YieldState`] (shear: on the cone of the flow,
+/// tension: at its apex).
+///
+/// # Return
+/// The deviator keeps its direction, so the returned stress, the increments of plastic strain, `r`
+/// and both strengths are functions of one unknown, the amount of flow; the yield condition is
+/// solved for it to rounding within a bracket. The end of a step is consistent with its strengths,
+/// whatever the step.
+///
+/// # Valid range
+/// Elements up to [`largest_size`](Self::largest_size): make sure of it by
+/// [`check_size`](Self::check_size); wider ones soften as steeply as can be followed and take more
+/// energy. Where `f_0 < f_c`, the hardening before the peak is part of the regularised curve, and an
+/// element of a wide bar that unloads from it has dissipated its share: with `f_0 = f_c` crushing
+/// is objective. A thousandth of the effective strength is never lost. A strain that is not finite
+/// gives a stress that is not finite.
+///
+/// # Why so
+/// *Crushed concrete has lost its tensile strength too*: `t` is at most `c f_t / f_0`. Were it kept,
+/// `B` would become negative, and the surface would open towards tension.
+///
+/// Source: Lubliner, Oliver, Oller & Onate (1989), *Int. J. Solids Structures* 25(3); Lee & Fenves
+/// (1998), *J. Eng. Mech.* 124(8).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeeFenves {
+    parameters: LeeFenvesParameters,
+    tension: UniaxialCurve,
+    compression: UniaxialCurve,
+    /// `A`.
+    biaxial: f64,
+    /// `g`.
+    confined: f64,
+    /// Fall of the mean stress for a fall of `sqrt(J2)` by one.
+    swelling: f64,
+    lambda: f64,
+    shear: f64,
+}
+
+/// A trial of the effective stress.
+struct Trial<L> {
+    mean: L,
+    /// `sqrt(J2)` (Pa).
+    shear: L,
+    /// Principal deviators in falling order (Pa).
+    deviators: [L; 3],
+    /// `e_t` and `e_c` before the step.
+    old: [L; 2],
+    /// `b_t` and `b_c`.
+    rates: [L; 2],
+}
+
+/// The state after an amount of flow.
+struct Flowed<L> {
+    /// Principal stresses (Pa).
+    stress: [L; 3],
+    /// `e_t` and `e_c`.
+    strains: [L; 2],
+    /// Mean stress, `sqrt(J2)` (Pa).
+    invariants: [L; 2],
+    /// Share of the deviator that flow took.
+    released: L,
+    /// The share of tension `r`.
+    tension: L,
+}
+
+impl LeeFenves {
+    /// The law of the parameters.
+    ///
+    /// # Errors
+    /// A parameter outside its range.
+    pub fn new(parameters: LeeFenvesParameters) -> Result<Self, MaterialError> {
+        let p = &parameters;
+        let medium = ElasticMedium::new(p.medium.young, p.medium.poisson, p.medium.density)?;
+        let least = f64::MIN_POSITIVE;
+        for (name, value, from, to) in [
+            ("tension_strength", p.tension_strength, least, 1.0e12),
+            (
+                "compression_strength",
+                p.compression_strength,
+                p.tension_strength,
+                1.0e12,
+            ),
+            (
+                "compression_limit",
+                p.compression_limit,
+                (0.1 * p.compression_strength).max(p.tension_strength),
+                p.compression_strength,
+            ),
+            ("biaxial_ratio", p.biaxial_ratio, 1.0, 1.5),
+            ("meridian_ratio", p.meridian_ratio, 0.55, 1.0),
+            ("tension_damage", p.tension_damage, 0.0, 1.0),
+            ("compression_damage", p.compression_damage, 0.0, 1.0),
+            ("stiffness_recovery", p.stiffness_recovery, 0.0, 1.0),
+            ("residual_stiffness", p.residual_stiffness, 1.0e-6, 1.0),
+        ] {
+            ParameterError::check(name, value, from, to)?;
+        }
+        let biaxial = (p.biaxial_ratio - 1.0) / (2.0 * p.biaxial_ratio - 1.0);
+        let confined = 3.0 * (1.0 - p.meridian_ratio) / (2.0 * p.meridian_ratio - 1.0);
+        // Flow gives s : dp = (dl / G) (sqrt(J2) + tan(psi) p / sqrt 3), not negative on the surface
+        // down to any pressure, least on the tensile meridian.
+        let steepness = (3.0 * biaxial + confined) / (ROOT_3 + 2.0 * confined / ROOT_3);
+        let greatest = (ROOT_3 * steepness.min(0.5 * ROOT_3)).atan().to_degrees();
+        ParameterError::check("dilation", p.dilation, 1.0, greatest)?;
+        let ratio = p.compression_strength / p.compression_limit;
+        let bulge = 2.0 * ratio - 1.0 + 2.0 * (ratio * (ratio - 1.0)).sqrt();
+        let flow = p.dilation.to_radians().tan() / (3.0 * ROOT_3);
+        let young = medium.young;
+        Ok(Self {
+            tension: UniaxialCurve::new(
+                p.tension_strength,
+                0.0,
+                p.tension_damage,
+                p.tension_energy,
+                young,
+            )?,
+            compression: UniaxialCurve::new(
+                p.compression_limit,
+                bulge,
+                p.compression_damage,
+                p.compression_energy,
+                young,
+            )?,
+            biaxial,
+            confined,
+            swelling: 3.0 * medium.bulk() / medium.shear() * flow,
+            lambda: medium.lambda(),
+            shear: medium.shear(),
+            parameters,
+        })
+    }
+
+    /// What the law was made of.
+    pub fn parameters(&self) -> &LeeFenvesParameters {
+        &self.parameters
+    }
+
+    /// The largest width of an element that dissipates its energies without snapping back (m).
+    pub fn largest_size(&self) -> f64 {
+        let crushing = self.compression.largest_size();
+        self.tension.largest_size().min(crushing)
+    }
+
+    /// Refuses an element whose width normal to a crack (m) is too large.
+    ///
+    /// # Errors
+    /// [`MaterialError::SnapBack`] names the largest permitted width.
+    pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
+        ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
+        let largest = self.largest_size();
+        if size >= largest {
+            return Err(MaterialError::SnapBack { size, largest });
+        }
+        Ok(())
+    }
+
+    /// The yield function of an effective stress with a history in an element of a width (m),
+    /// divided by the effective compressive strength: positive outside.
+    pub fn yield_function(&self, effective: &Stress, history: &[f64], size: f64) -> f64 {
+        let (mean, shear) = mean_and_shear(effective);
+        let greatest = PrincipalAxes::of(effective).values[0];
+        let strains = [history[TENSION], history[COMPRESSION]];
+        let rates = [self.tension.rate(size), self.compression.rate(size)];
+        let strengths = self.strengths(strains, rates);
+        self.excess([mean, shear], greatest, strengths) / (1.0 - self.biaxial)
+    }
+
+    /// Effective strengths `t` and `c` (Pa).
+    #[inline(always)]
+    fn strengths<L: Lane>(&self, strains: [L; 2], rates: [L; 2]) -> [L; 2] {
+        let compressive = self.compression.strength(strains[1], rates[1]);
+        let share = self.tension.limit() / self.compression.limit();
+        let kept = compressive * compressive.constant(share);
+        let tensile = self.tension.strength(strains[0], rates[0]);
+        [tensile.min(kept), compressive]
+    }
+
+    /// `(3 A p + sqrt(3 J2) - (1 + A) <s1> - g <-s1>) / c + (1 - A) (<s1> / t - 1)`.
+    #[inline(always)]
+    fn excess<L: Lane>(
+        &self,
+        [mean, shear]: [L; 2],
+        greatest: L,
+        [tensile, compressive]: [L; 2],
+    ) -> L {
+        let number = |value: f64| mean.constant(value);
+        let zero = number(0.0);
+        let pulled = greatest.max(zero);
+        let pressed = greatest.min(zero);
+        let sum = number(3.0 * self.biaxial) * mean + number(ROOT_3) * shear
+            - number(1.0 + self.biaxial) * pulled
+            + number(self.confined) * pressed;
+        sum / compressive + number(1.0 - self.biaxial) * (pulled / tensile - number(1.0))
+    }
+
+    /// What an amount of flow, the fall of `sqrt(J2)` (Pa), makes of a trial; flow beyond the apex
+    /// of the cone changes the mean stress alone.
+    #[inline(always)]
+    fn after<L: Lane>(&self, trial: &Trial<L>, flow: L) -> Flowed<L> {
+        let number = |value: f64| flow.constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        let divisor = trial.shear.select(zero.less(trial.shear), one);
+        let released = (flow / divisor).min(one);
+        let lowered = number(self.swelling) * flow;
+        let mean = trial.mean - lowered;
+        let left = one - released;
+        let stress = trial.deviators.map(|s| s.mul_add(left, mean));
+        let tension = share_of_tension(&stress);
+        let medium = &self.parameters.medium;
+        let volume = lowered * number(1.0 / (3.0 * medium.bulk()));
+        let shape = released * number(0.5 / self.shear);
+        let opened = shape.mul_add(trial.deviators[0], volume).max(zero);
+        let crushed = (-shape.mul_add(trial.deviators[2], volume)).max(zero);
+        Flowed {
+            stress,
+            strains: [
+                tension.mul_add(opened, trial.old[0]),
+                (one - tension).mul_add(crushed, trial.old[1]),
+            ],
+            invariants: [mean, trial.shear * left],
+            released,
+            tension,
+        }
+    }
+
+    /// The amount of flow that brings a trial, outside by `excess` with the `strengths` before the
+    /// step, back to the surface (Pa).
+    #[inline(always)]
+    fn flow<L: Lane>(&self, trial: &Trial<L>, excess: L, strengths: [L; 2]) -> L {
+        let number = |value: f64| excess.constant(value);
+        let zero = number(0.0);
+        let outside = |flow: L| {
+            let flowed = self.after(trial, flow);
+            let strengths = self.strengths(flowed.strains, trial.rates);
+            self.excess(flowed.invariants, flowed.stress[0], strengths)
+        };
+        // Sound at last: no deviator, and no tension.
+        let end = trial.shear.max(trial.mean * number(1.0 / self.swelling));
+
+        // The first guess takes strengths and signs of stresses for fixed.
+        let [tensile, compressive] = strengths;
+        let divisor = trial.shear.select(zero.less(trial.shear), number(1.0));
+        let turned = trial.deviators[0] / divisor;
+        let greatest = turned + number(self.swelling);
+        let is_pulled = zero.less(trial.deviators[0] + trial.mean);
+        let pulled =
+            number(1.0 - self.biaxial) / tensile - number(1.0 + self.biaxial) / compressive;
+        let pressed = number(self.confined) / compressive;
+        let common = number(3.0 * self.biaxial * self.swelling + ROOT_3) / compressive;
+        let slope = greatest.mul_add(pulled.select(is_pulled, pressed), common);
+        let near = (excess / slope).min(end);
+        let at_near = outside(near);
+        // Where it falls short, beyond the secant by a tenth.
+        let secant = near * excess / (excess - at_near).max(excess * number(0.05));
+        let far = (number(1.1) * secant).min(end).max(near);
+        let is_short = zero.less(at_near);
+        let far = far.select(is_short, near);
+        let at_far = if zero.any(is_short) {
+            outside(far).select(is_short, at_near)
+        } else {
+            at_near
+        };
+        // And where that falls short too, all the way.
+        let is_shorter = zero.less(at_far);
+        let [first, at_first] = [
+            near.select(is_short, zero),
+            at_near.select(is_short, excess),
+        ];
+        let [first, at_first] = [
+            far.select(is_shorter, first),
+            at_far.select(is_shorter, at_first),
+        ];
+        let last = end.select(is_shorter, far);
+        let at_last = if zero.any(is_shorter) {
+            outside(end).select(is_shorter, at_far)
+        } else {
+            at_far
+        };
+        let size = trial.mean.abs() + trial.shear;
+        let tension = (trial.mean + trial.deviators[0]).max(zero);
+        let terms = number(4.0) * size / compressive + tension / tensile + number(1.0);
+        let tolerance = number(2.0 * rounding::<L>()) * terms;
+        zero_between([first, at_first], [last, at_last], tolerance, outside)
+    }
+}
+
+impl ConstitutiveLaw for LeeFenves {
+    fn name(&self) -> &str {
+        "lee-fenves"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.parameters.medium
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &HISTORY
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        let p = &self.parameters;
+        let old = input.history;
+        let first = input.strain.0[0];
+        let number = |value: f64| first.constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        let elastic = Strain(core::array::from_fn(|i| input.strain.0[i] - old[i]));
+        let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
+        let stress = input.initial + change;
+        new_history.copy_from_slice(old);
+        new_history[YIELD_STATE] = zero;
+
+        let (mean, shear) = mean_and_shear(&stress);
+        let strains = [old[TENSION], old[COMPRESSION]];
+        let rates = [
+            self.tension.rate(input.size),
+            self.compression.rate(input.size),
+        ];
+        let strengths = if first.any(zero.less(strains[0] + strains[1])) {
+            self.strengths(strains, rates)
+        } else {
+            [self.tension.limit(), self.compression.limit()].map(number)
+        };
+        // No greatest stress is greater.
+        let greatest = shear.mul_add(number(2.0 / ROOT_3), mean);
+        let bound = self.excess([mean, shear], greatest, strengths);
+        let may_yield = zero.less(bound);
+        let heals = p.stiffness_recovery > 0.0 && first.any(zero.less(old[DAMAGE_TENSION]));
+        let mut tension = one;
+        if first.any(may_yield) {
+            let values = PrincipalAxes::of(&stress).values;
+            let excess = self.excess([mean, shear], values[0], strengths);
+            let excess = excess.select(may_yield, zero);
+            let yielded = zero.less(excess);
+            let trial = Trial {
+                mean,
+                shear,
+                deviators: values.map(|s| s - mean),
+                old: strains,
+                rates,
+            };
+            let flow = self.flow(&trial, excess.max(zero), strengths);
+            let flow = flow.select(yielded, zero);
+            let flowed = self.after(&trial, flow);
+            tension = flowed.tension;
+
+            let most = 1.0 - p.residual_stiffness;
+            let torn = self.tension.damage(flowed.strains[0], rates[0], most);
+            let broken = self.compression.damage(flowed.strains[1], rates[1], most);
+            let at_apex = flow.less(shear);
+            let state = number(YieldState::Shear.number());
+            let state = state.select(at_apex, number(YieldState::Tension.number()));
+            for (variable, value) in [
+                (TENSION, flowed.strains[0]),
+                (COMPRESSION, flowed.strains[1]),
+                (DAMAGE_TENSION, torn.max(old[DAMAGE_TENSION])),
+                (DAMAGE_COMPRESSION, broken.max(old[DAMAGE_COMPRESSION])),
+                (YIELD_STATE, state),
+            ] {
+                new_history[variable] = value.select(yielded, new_history[variable]);
+            }
+            // Deviator and mean fall as the flow says: no difference of large stresses.
+            let lowered = number(self.swelling) * flow;
+            let volume = lowered * number(1.0 / (3.0 * p.medium.bulk()));
+            let compliance = number(0.5 / self.shear);
+            for i in 0..6 {
+                let deviator = if i < 3 {
+                    stress.0[i] - mean
+                } else {
+                    stress.0[i]
+                };
+                let taken = flowed.released * deviator;
+                let (loss, plastic) = if i < 3 {
+                    (taken + lowered, compliance.mul_add(taken, volume))
+                } else {
+                    (taken, (compliance + compliance) * taken)
+                };
+                change.0[i] = (change.0[i] - loss).select(yielded, change.0[i]);
+                new_history[i] = (old[i] + plastic).select(yielded, old[i]);
+            }
+        } else if heals {
+            tension = share_of_tension(&PrincipalAxes::of(&stress).values);
+        }
+        weaken(
+            &change,
+            &input.initial,
+            new_history,
+            tension,
+            [p.stiffness_recovery, p.residual_stiffness],
+        )
+    }
+}
