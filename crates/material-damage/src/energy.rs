@@ -58,6 +58,25 @@ impl<L: Lane> Step<'_, L> {
     }
 }
 
+/// [`LawEnergy`] of a step of plastic flow, whose strain begins the history, with the damage at a
+/// place of it.
+#[inline(always)]
+pub(crate) fn of_flow_and_damage<L: Lane>(
+    medium: &ElasticMedium,
+    input: &LawInput<L>,
+    new_history: &[L],
+    damage: usize,
+) -> LawEnergy<L> {
+    let step = Step {
+        medium,
+        input,
+        elastic: difference(&input.strain.0, new_history),
+        flowed: Some(difference(new_history, input.history)),
+        damage: [input.history[damage], new_history[damage]],
+    };
+    step.energy()
+}
+
 /// The difference of two strains that begin at a place of a history.
 #[inline(always)]
 pub(crate) fn difference<L: Lane>(after: &[L], before: &[L]) -> Strain<L> {

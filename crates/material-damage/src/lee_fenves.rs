@@ -1,15 +1,17 @@
 //! Concrete damaged plasticity after Lubliner, Lee and Fenves.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, ParameterError, Strain, Stress,
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
+    ParameterError, Strain, Stress,
 };
 
+use crate::energy::of_flow_and_damage;
 use crate::plastic_damage::{
-    COMPRESSION, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE,
+    COMPRESSION, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE,
     share_of_tension, weaken,
 };
 use crate::root::{rounding, zero_between};
-use crate::surface::{YieldState, mean_and_shear};
+use crate::surface::{FAR, YieldState, mean_and_shear};
 use crate::uniaxial::UniaxialCurve;
 use crate::{MaterialError, PrincipalAxes};
 
@@ -135,6 +137,16 @@ struct Flowed<L> {
     released: L,
     /// The share of tension `r`.
     tension: L,
+}
+
+impl<L: Lane> Flowed<L> {
+    /// Whether the trial was [`FAR`]: the difference to it would carry its rounding.
+    #[inline(always)]
+    fn is_far(&self, trial: &Trial<L>) -> L::Mask {
+        let [mean, shear] = self.invariants;
+        let size = mean.abs() + shear;
+        (size * size.constant(FAR)).less(trial.mean.abs() + trial.shear)
+    }
 }
 
 impl LeeFenves {
@@ -297,6 +309,17 @@ impl LeeFenves {
         }
     }
 
+    /// The factor that takes a stress back to the surface, beside which it lies by the rounding of
+    /// a trial from far; at most one.
+    #[inline(always)]
+    fn shrinking<L: Lane>(&self, trial: &Trial<L>, flowed: &Flowed<L>) -> L {
+        let strengths = self.strengths(flowed.strains, trial.rates);
+        let excess = self.excess(flowed.invariants, flowed.stress[0], strengths);
+        // Without its last term the yield function grows with the stress.
+        let at_yield = excess.constant(1.0 - self.biaxial);
+        at_yield / (at_yield + excess.max(excess.constant(0.0)))
+    }
+
     /// The amount of flow that brings a trial, outside by `excess` with the `strengths` before the
     /// step, back to the surface (Pa).
     #[inline(always)]
@@ -382,6 +405,11 @@ impl ConstitutiveLaw for LeeFenves {
         new_history[YIELD_STATE] = zero;
 
         let (mean, shear) = mean_and_shear(&stress);
+        // Zero, or NaN where squares are beyond the range of numbers: no yield function is known.
+        let finite = shear * zero;
+        for normal in &mut change.0[..3] {
+            *normal = *normal + finite;
+        }
         let strains = [old[TENSION], old[COMPRESSION]];
         let rates = [
             self.tension.rate(input.size),
@@ -449,6 +477,21 @@ impl ConstitutiveLaw for LeeFenves {
                 change.0[i] = (change.0[i] - loss).select(yielded, change.0[i]);
                 new_history[i] = (old[i] + plastic).select(yielded, old[i]);
             }
+            let is_far = flowed.is_far(&trial);
+            if first.any(is_far) {
+                let factor = self.shrinking(&trial, &flowed);
+                let left = one - flowed.released;
+                for i in 0..6 {
+                    let placed = if i < 3 {
+                        (stress.0[i] - mean).mul_add(left, flowed.invariants[0])
+                    } else {
+                        stress.0[i] * left
+                    };
+                    let placed = placed * factor - input.initial.0[i];
+                    let placed = placed.select(is_far, change.0[i]);
+                    change.0[i] = placed.select(yielded, change.0[i]);
+                }
+            }
         } else if heals {
             tension = share_of_tension(&PrincipalAxes::of(&stress).values);
         }
@@ -459,5 +502,13 @@ impl ConstitutiveLaw for LeeFenves {
             tension,
             [p.stiffness_recovery, p.residual_stiffness],
         )
+    }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
+        let medium = &self.parameters.medium;
+        Some(of_flow_and_damage(medium, input, new_history, DAMAGE))
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        Ok(self.check_size(size)?)
     }
 }

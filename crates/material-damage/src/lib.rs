@@ -11,6 +11,7 @@
 //! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only |
 //! | [`ElastoPlastic`] of [`TwoSurface`] | friction, dilation, cohesion, both uniaxial strengths | the same 8 | perfectly plastic; `f_c / f_t` above `N` |
 //! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions |
+//! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 13 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak |
 //! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) |
 //!
 //! [`presets`] hold published materials, [`MohrCoulomb::findings`] tells what does not fit together

@@ -5,7 +5,7 @@ use powerhouse_model::{
     ParameterError, Strain, Stress,
 };
 
-use crate::energy::{self, Step};
+use crate::energy::of_flow_and_damage;
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::softening::DamageCurve;
 use crate::surface::{Flow, YieldSurface};
@@ -33,7 +33,7 @@ pub(crate) const TENSION: usize = 6;
 pub(crate) const COMPRESSION: usize = 7;
 pub(crate) const DAMAGE_TENSION: usize = 8;
 pub(crate) const DAMAGE_COMPRESSION: usize = 9;
-const DAMAGE: usize = 10;
+pub(crate) const DAMAGE: usize = 10;
 const DAMAGE_TYPE: usize = 11;
 pub(crate) const YIELD_STATE: usize = 12;
 pub(crate) const HISTORY: [HistoryVariable; 13] = {
@@ -274,14 +274,8 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
-        let step = Step {
-            medium: &self.medium(),
-            input,
-            elastic: energy::difference(&input.strain.0, new_history),
-            flowed: Some(energy::difference(new_history, input.history)),
-            damage: [input.history[DAMAGE], new_history[DAMAGE]],
-        };
-        Some(step.energy())
+        let medium = self.medium();
+        Some(of_flow_and_damage(&medium, input, new_history, DAMAGE))
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         Ok(self.check_size(size)?)

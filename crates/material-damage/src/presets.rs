@@ -3,8 +3,9 @@
 use powerhouse_model::{ElasticMedium, ParameterError};
 
 use crate::{
-    MaterialError, MazarsParameters, MazarsTension, MohrCoulomb, MohrCoulombParameters,
-    PlasticDamage, PlasticDamageParameters, Softening, TwoSurfaceParameters, media,
+    LeeFenvesParameters, MaterialError, MazarsParameters, MazarsTension, MohrCoulomb,
+    MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, Softening, TwoSurfaceParameters,
+    media,
 };
 
 /// The rock of the paper: phi 42 degrees, c 1.05 MPa, dilation zero (the paper gives none).
@@ -93,6 +94,27 @@ pub const PAPER_CONCRETE_MAZARS: MazarsParameters = MazarsParameters {
     },
     compression_share: 1.175,
     compression_rate: 2965.0,
+    residual_stiffness: 1.0e-3,
+};
+
+/// The concrete of the paper by Lee and Fenves, with its listed strengths: biaxial ratio 1.16, `K_c`
+/// 2/3 and dilation 36 degrees of ordinary concrete, energies as in [`paper_concrete`], damage 0.5
+/// at half the tensile strength (Lee & Fenves 1998: 0.51), and half of that rate in compression.
+///
+/// Source of strengths and medium: Wang, Chen & Xiao (2019), Table 1.
+pub const PAPER_CONCRETE_LEE_FENVES: LeeFenvesParameters = LeeFenvesParameters {
+    medium: media::CONCRETE,
+    tension_strength: 1.27e6,
+    compression_strength: 16.7e6,
+    compression_limit: 16.7e6,
+    biaxial_ratio: 1.16,
+    meridian_ratio: 2.0 / 3.0,
+    dilation: 36.0,
+    tension_energy: 133.0,
+    compression_energy: 35.96e3,
+    tension_damage: 1.0,
+    compression_damage: 0.5,
+    stiffness_recovery: 1.0,
     residual_stiffness: 1.0e-3,
 };
 

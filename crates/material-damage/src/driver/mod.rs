@@ -11,9 +11,16 @@ use crate::MaterialError;
 const MOST_CORRECTIONS: usize = 60;
 /// The most halvings of one correction.
 const MOST_HALVINGS: usize = 12;
+/// A correction that leaves more than this share of the residual is slow: at a kink the quotients
+/// may come from different sides. What was seen along it then corrects the tangent (Broyden 1965).
+const SLOW: f64 = 0.3;
+/// The most such corrections of a tangent.
+const MOST_TURNS: usize = 6;
 /// Stresses meet their targets at least to this share of the largest stress at the point; the
 /// corrections go on as long as they gain.
 const TOLERANCE: f64 = 1.0e-9;
+/// Or to this many roundings of the stress that the strain would make elastically.
+const ROUNDINGS: f64 = 4.0;
 /// Stiffness below this share of Young's modulus is none: the elastic one takes its place.
 const NO_STIFFNESS: f64 = 1.0e-7;
 /// Strain step of the difference quotient, as a share of the strain at which stresses are of the
@@ -191,6 +198,32 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         Ok(())
     }
 
+    /// Difference quotients of the free stresses, each towards the correction, so that it is on the
+    /// side on which it is used.
+    fn quotients(
+        &self,
+        strain: &Strain,
+        free: &[(usize, f64)],
+        residual: &DVector<f64>,
+        scale: f64,
+    ) -> Result<DMatrix<f64>, MaterialError> {
+        let difference = residual
+            .amax()
+            .clamp(1.0e-4 * DIFFERENCE * scale, DIFFERENCE * scale);
+        let difference = difference / self.law.medium().young;
+        let mut tangent = DMatrix::zeros(free.len(), free.len());
+        for (column, &(place, _)) in free.iter().enumerate() {
+            let mut moved = *strain;
+            let towards = -residual[column].signum() * difference;
+            moved.0[place] += towards;
+            let stress = self.respond(&moved)?.0;
+            let rest = free.iter().map(|&(i, to)| stress.0[i] - to);
+            let moved = DVector::from_iterator(free.len(), rest) - residual;
+            tangent.set_column(column, &(moved / towards));
+        }
+        Ok(tangent)
+    }
+
     /// Finds the free strains whose stresses are the targets.
     fn equilibrate(
         &self,
@@ -219,25 +252,19 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         let mut residual = rest(&answer.0);
         let scale = self.now.stress.0.iter().chain(&answer.0.0);
         let scale = scale.fold(0.0_f64, |most, s| most.max(s.abs()));
-        let tolerance = TOLERANCE * scale;
+        let largest = strain.0.iter().fold(0.0_f64, |most, e| most.max(e.abs()));
+        let tolerance = (TOLERANCE * scale).max(ROUNDINGS * f64::EPSILON * modulus * largest);
+        // A tangent that was corrected by what was seen along the last step, and how often.
+        let mut corrected: Option<(DMatrix<f64>, usize)> = None;
         for _ in 0..MOST_CORRECTIONS {
             if residual.amax() == 0.0 {
                 break;
             }
-            let difference = residual
-                .amax()
-                .clamp(1.0e-4 * DIFFERENCE * scale, DIFFERENCE * scale);
-            let difference = difference / modulus;
-            let mut tangent = DMatrix::zeros(free.len(), free.len());
-            for (column, &(j, _)) in free.iter().enumerate() {
-                let mut moved = *strain;
-                // Towards the correction, so that the quotient is on the side it is used on.
-                let towards = -residual[column].signum() * difference;
-                moved.0[j] += towards;
-                let (stress, _) = self.respond(&moved)?;
-                tangent.set_column(column, &((rest(&stress) - &residual) / towards));
-            }
-            let correction = solve(tangent, &residual, modulus);
+            let (mut tangent, mut turns) = match corrected.take() {
+                Some(kept) => kept,
+                None => (self.quotients(strain, free, &residual, scale)?, 0),
+            };
+            let mut correction = solve(tangent.clone(), &residual, modulus);
             let mut share = 1.0;
             let mut halvings = 0;
             let (moved, next, remaining) = loop {
@@ -245,7 +272,21 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
                 correct(&mut moved, free, share, &correction);
                 let next = self.respond(&moved)?;
                 let remaining = rest(&next.0);
-                if remaining.norm() < residual.norm() || halvings == MOST_HALVINGS {
+                let gained = remaining.norm() < residual.norm();
+                if halvings == 0 && turns < MOST_TURNS && remaining.norm() > SLOW * residual.norm()
+                {
+                    let seen = &residual - &remaining;
+                    let missed = seen - &tangent * &correction;
+                    tangent += missed * correction.transpose() / correction.norm_squared();
+                    turns += 1;
+                    if gained {
+                        corrected = Some((tangent, turns));
+                        break (moved, next, remaining);
+                    }
+                    correction = solve(tangent.clone(), &residual, modulus);
+                    continue;
+                }
+                if gained || halvings == MOST_HALVINGS {
                     break (moved, next, remaining);
                 }
                 share *= 0.5;

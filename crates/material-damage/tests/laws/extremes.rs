@@ -1,8 +1,8 @@
 //! Strains of every size, and none.
 
 use powerhouse_material_damage::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, PrincipalAxes, TwoSurface,
-    YieldSurface, presets,
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LeeFenves, PrincipalAxes,
+    TwoSurface, YieldSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
@@ -96,5 +96,17 @@ fn plastic_damage_is_admissible_or_not_finite() {
         let effective = stress.0.map(|s| s / (1.0 - history[10]));
         // Divided by at least a thousandth: so is the rounding.
         1e-3 * surface.excess(&PrincipalAxes::of(&Stress(effective)).values)
+    });
+}
+
+/// Lee-Fenves: strains of every size give an admissible stress or one that is not finite.
+#[test]
+fn lee_fenves_is_admissible_or_not_finite() {
+    let law = LeeFenves::new(presets::PAPER_CONCRETE_LEE_FENVES).unwrap();
+    check(&law, |stress, history| {
+        let effective = Stress(stress.0.map(|s| s / (1.0 - history[10])));
+        // Divided by at least a thousandth: so is the rounding; the strength may have fallen to a
+        // thousandth too.
+        1e-6 * 16.7e6 * law.yield_function(&effective, history, 1.0)
     });
 }

@@ -1,8 +1,8 @@
 //! Many points at once against one at a time.
 
 use powerhouse_material_damage::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, Mazars, MohrCoulomb,
-    MohrCoulombParameters, TwoSurface, presets,
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LeeFenves, LeeFenvesParameters,
+    Mazars, MohrCoulomb, MohrCoulombParameters, TwoSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 
@@ -113,6 +113,19 @@ fn two_surface_is_the_same_wide_and_scalar() {
 #[test]
 fn plastic_damage_is_the_same_wide_and_scalar() {
     let law = presets::paper_concrete().unwrap();
+    same_bits::<f64, _>(&law, 3.0e-4);
+    same_bits::<f32, _>(&law, 3.0e-4);
+}
+
+/// Lee-Fenves: many points at once are the same bits as one at a time, in both precisions.
+#[test]
+fn lee_fenves_is_the_same_wide_and_scalar() {
+    let law = LeeFenves::new(LeeFenvesParameters {
+        compression_limit: 9.0e6,
+        tension_damage: 0.6,
+        ..presets::PAPER_CONCRETE_LEE_FENVES
+    })
+    .unwrap();
     same_bits::<f64, _>(&law, 3.0e-4);
     same_bits::<f32, _>(&law, 3.0e-4);
 }

@@ -6,6 +6,7 @@ mod drucker_prager;
 mod exhaustive;
 mod extremes;
 mod lanes;
+mod lee_fenves;
 mod mazars;
 mod mohr_coulomb;
 mod packs;
