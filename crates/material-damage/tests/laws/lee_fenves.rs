@@ -234,7 +234,7 @@ fn bisection(p: &LeeFenvesParameters, case: &Case, trial: Vector3<f64>) -> Vecto
 fn returns_solve_the_return_equations() {
     let mut random = Random(71);
     let mut apexes = 0;
-    for number in 0..10_000 {
+    for number in 0..10_000_usize {
         let p = if number.is_multiple_of(3) {
             GOOD
         } else {
