@@ -2,9 +2,11 @@
 
 use powerhouse_model::{Lane, Scalar};
 
-/// The most evaluations. Smooth functions take three to six, bisection alone as many as a number
-/// has bits.
-const MOST: usize = 60;
+/// The most evaluations. Smooth functions take three to six; the worst halve the bracket at every
+/// third.
+const MOST: usize = 160;
+/// A bracket that has not become half as wide in so many evaluations is halved.
+const PATIENCE: usize = 3;
 
 /// The rounding of one in the precision of the lane.
 pub(crate) fn rounding<L: Lane>() -> f64 {
@@ -21,7 +23,7 @@ pub(crate) fn rounding<L: Lane>() -> f64 {
 ///
 /// False position with the rule of Anderson & Björck (1973), of order 1.7: the value at an end that
 /// stays is scaled by `1 - f(new) / f(replaced)`, or by a half where that is not positive. The zero
-/// stays enclosed, whatever the function. A lane whose value is not above the tolerance, or whose
+/// stays enclosed, whatever the function, and a bracket that does not narrow is halved. A lane whose value is not above the tolerance, or whose
 /// ends have met, is left alone while others go on: the scalar form gives the same bits. The answer
 /// is the place of the smallest value that was seen.
 #[inline(always)]
@@ -39,7 +41,8 @@ pub(crate) fn zero_between<L: Lane>(
     let mut best = a.select(a_is_less, b);
     // The smallest value, or zero in a lane that is done.
     let mut least = value_a.abs().min(value_b.abs());
-    for _ in 0..MOST {
+    let mut width = (b - a).abs();
+    for evaluation in 1..=MOST {
         let open = tolerance.less(least);
         if !zero.any(open) {
             break;
@@ -51,6 +54,14 @@ pub(crate) fn zero_between<L: Lane>(
         let guess = b - value_b * ((b - a) / divisor);
         let guess = guess.select(left.less(guess), middle);
         let guess = guess.select(guess.less(right), middle);
+        let guess = if evaluation % PATIENCE == 0 {
+            let now = right - left;
+            let narrowed = (now + now).less(width);
+            width = now;
+            guess.select(narrowed, middle)
+        } else {
+            guess
+        };
         let value = function(guess);
 
         let is_less = value.abs().less(least);
