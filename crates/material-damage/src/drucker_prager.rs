@@ -4,7 +4,7 @@ use powerhouse_model::{ElasticMedium, Lane, Stress};
 
 use crate::MaterialError;
 use crate::surface::{
-    PrincipalReturn, YieldState, YieldSurface, check_frictional, mean_and_shear, pick,
+    PrincipalReturn, YieldState, YieldSurface, check_frictional, mean_and_shear, pick, stiffened,
 };
 
 /// To which stresses of Mohr and Coulomb the cone is fitted.
@@ -146,6 +146,11 @@ impl YieldSurface for DruckerPrager {
     }
     fn medium(&self) -> ElasticMedium {
         self.parameters.medium
+    }
+    fn with_stiffness(&self, factor: f64) -> Self {
+        let mut surface = *self;
+        surface.parameters.medium = stiffened(&self.parameters.medium, factor);
+        surface
     }
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {

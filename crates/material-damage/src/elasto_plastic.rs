@@ -4,6 +4,7 @@ use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Strain, Stress,
 };
 
+use crate::ElasticInSeries;
 use crate::energy::{self, Step};
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::surface::{Flow, YieldSurface};
@@ -113,6 +114,16 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
             damage: [none; 2],
         };
         Some(step.energy())
+    }
+}
+
+impl<S: YieldSurface> ElasticInSeries for ElastoPlastic<S> {
+    fn with_stiffness(&self, factor: f64) -> Self {
+        Self::new(self.surface.with_stiffness(factor))
+    }
+    #[inline(always)]
+    fn inelastic_strain<L: Lane>(&self, history: &[L]) -> Option<[L; 6]> {
+        Some(core::array::from_fn(|i| history[i]))
     }
 }
 

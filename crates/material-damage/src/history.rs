@@ -8,7 +8,7 @@ pub(crate) const fn number(name: &'static str) -> HistoryVariable {
 }
 
 /// A component of a strain.
-const fn strain(name: &'static str) -> HistoryVariable {
+pub(crate) const fn strain(name: &'static str) -> HistoryVariable {
     HistoryVariable::component(name, "1")
 }
 

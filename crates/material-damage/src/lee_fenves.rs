@@ -11,9 +11,9 @@ use crate::plastic_damage::{
     share_of_tension, weaken,
 };
 use crate::root::{rounding, zero_between};
-use crate::surface::{FAR, YieldState, mean_and_shear};
+use crate::surface::{FAR, YieldState, mean_and_shear, stiffened};
 use crate::uniaxial::UniaxialCurve;
-use crate::{MaterialError, PrincipalAxes};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes};
 
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
@@ -378,6 +378,22 @@ impl LeeFenves {
         let terms = number(4.0) * size / compressive + tension / tensile + number(1.0);
         let tolerance = number(2.0 * rounding::<L>()) * terms;
         zero_between([first, at_first], [last, at_last], tolerance, outside)
+    }
+}
+
+impl ElasticInSeries for LeeFenves {
+    fn with_stiffness(&self, factor: f64) -> Self {
+        let mut law = *self;
+        law.parameters.medium = stiffened(&self.parameters.medium, factor);
+        law.tension = self.tension.with_stiffness(factor);
+        law.compression = self.compression.with_stiffness(factor);
+        law.lambda *= factor;
+        law.shear *= factor;
+        law
+    }
+    #[inline(always)]
+    fn inelastic_strain<L: Lane>(&self, history: &[L]) -> Option<[L; 6]> {
+        Some(core::array::from_fn(|i| history[i]))
     }
 }
 

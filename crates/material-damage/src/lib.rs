@@ -13,6 +13,7 @@
 //! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions |
 //! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 13 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak |
 //! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) |
+//! | [`FlatDamping`] of any of them | [`RelaxationSpectrum`], [`ReferenceFrequency`] | 6 more per mechanism | damping within a band of frequencies; waves get dispersive, the stable step 10 % shorter at 5 % |
 //!
 //! [`presets`] hold published materials, [`MohrCoulomb::findings`] tells what does not fit together
 //! in them, [`PointDriver`] leads one point along paths of strain and stress.
@@ -49,6 +50,7 @@ mod elasto_plastic;
 mod energy;
 mod error;
 mod exponential;
+mod flat_damping;
 mod history;
 mod lee_fenves;
 mod linear_elastic;
@@ -70,6 +72,10 @@ pub use driver::{Control, PointDriver, PointRecord};
 pub use drucker_prager::{ConeFit, DruckerPrager, DruckerPragerParameters};
 pub use elasto_plastic::ElastoPlastic;
 pub use error::MaterialError;
+pub use flat_damping::{
+    DampingBand, ElasticInSeries, FlatDamping, MOST_MECHANISMS, Mechanism, ReferenceFrequency,
+    RelaxationSpectrum,
+};
 pub use lee_fenves::{LeeFenves, LeeFenvesParameters};
 pub use linear_elastic::LinearElastic;
 pub use mazars::{Mazars, MazarsParameters, MazarsTension};

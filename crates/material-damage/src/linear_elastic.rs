@@ -1,8 +1,12 @@
 //! Hooke's law.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Strain, Stress,
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Strain, Stress,
 };
+
+use crate::ElasticInSeries;
+use crate::energy::Step;
+use crate::surface::stiffened;
 
 /// Isotropic linear elasticity without history.
 ///
@@ -46,6 +50,17 @@ impl ConstitutiveLaw for LinearElastic {
         let shear = L::splat(token, self.shear);
         Stress::elastic(lambda, shear, &input.strain)
     }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, _new_history: &[L]) -> Option<LawEnergy<L>> {
+        let step = Step {
+            medium: &self.medium,
+            input,
+            elastic: input.strain,
+            flowed: None,
+            damage: [input.size.constant(0.0); 2],
+        };
+        Some(step.energy())
+    }
     fn tangent(&self, _input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let mut rows = [[0.0; 6]; 6];
         for column in 0..6 {
@@ -57,6 +72,12 @@ impl ConstitutiveLaw for LinearElastic {
             }
         }
         Some(rows)
+    }
+}
+
+impl ElasticInSeries for LinearElastic {
+    fn with_stiffness(&self, factor: f64) -> Self {
+        Self::new(stiffened(&self.medium, factor))
     }
 }
 

@@ -8,8 +8,8 @@ use powerhouse_model::{
 use crate::energy::Step;
 use crate::history::number;
 use crate::softening::{damage_of, inverse_rate_in_total_strain};
-use crate::surface::mean_and_shear;
-use crate::{MaterialError, PrincipalAxes};
+use crate::surface::{mean_and_shear, stiffened};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes};
 
 /// Softening in tension of a [`Mazars`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,6 +169,23 @@ impl Mazars {
             }
             MazarsTension::Rates { rate, .. } => size.constant(1.0 / rate),
         }
+    }
+}
+
+impl ElasticInSeries for Mazars {
+    /// The threshold is a strain: it falls as the moduli rise, so that the strength stays.
+    fn with_stiffness(&self, factor: f64) -> Self {
+        let mut law = *self;
+        let p = &mut law.parameters;
+        p.medium = stiffened(&self.parameters.medium, factor);
+        p.threshold /= factor;
+        p.compression_rate *= factor;
+        if let MazarsTension::Rates { rate, .. } = &mut p.tension {
+            *rate *= factor;
+        }
+        law.lambda *= factor;
+        law.shear *= factor;
+        law
     }
 }
 

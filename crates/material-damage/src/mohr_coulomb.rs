@@ -4,7 +4,7 @@ use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
 
 use crate::MaterialError;
 use crate::planes::{Nearest, ShearPlane};
-use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, mean_and_shear};
+use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, mean_and_shear, stiffened};
 
 /// Without friction there is no apex: a surface without a cut-off ends at this many cohesions.
 const FRICTIONLESS_CUT_OFF: f64 = 1.0e3;
@@ -145,6 +145,11 @@ impl YieldSurface for MohrCoulomb {
     }
     fn medium(&self) -> ElasticMedium {
         self.parameters.medium
+    }
+    fn with_stiffness(&self, factor: f64) -> Self {
+        let mut surface = *self;
+        surface.parameters.medium = stiffened(&self.parameters.medium, factor);
+        surface
     }
 
     /// The greatest principal deviator is `2 sqrt(J2 / 3)`.

@@ -9,7 +9,7 @@ use crate::energy::of_flow_and_damage;
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::softening::DamageCurve;
 use crate::surface::{Flow, YieldSurface};
-use crate::{MaterialError, PrincipalAxes, Softening};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening};
 
 /// What a [`PlasticDamage`] law is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,6 +159,22 @@ impl<S: YieldSurface> PlasticDamage<S> {
             Some(largest) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
             _ => Ok(()),
         }
+    }
+}
+
+impl<S: YieldSurface> ElasticInSeries for PlasticDamage<S> {
+    fn with_stiffness(&self, factor: f64) -> Self {
+        let mut law = self.clone();
+        law.parameters.surface = self.parameters.surface.with_stiffness(factor);
+        law.tension = self.tension.with_stiffness(factor);
+        law.compression = self.compression.with_stiffness(factor);
+        law.lambda *= factor;
+        law.shear *= factor;
+        law
+    }
+    #[inline(always)]
+    fn inelastic_strain<L: Lane>(&self, history: &[L]) -> Option<[L; 6]> {
+        Some(core::array::from_fn(|i| history[i]))
     }
 }
 

@@ -108,6 +108,15 @@ impl DamageCurve {
         })
     }
 
+    /// The curve of a material whose elastic moduli are larger by a factor, and which takes the
+    /// same energy.
+    pub(crate) fn with_stiffness(mut self, factor: f64) -> Self {
+        if let Rate::Band { lost, .. } = &mut self.rate {
+            *lost = (*lost - self.threshold) / factor + self.threshold;
+        }
+        self
+    }
+
     /// The largest width of an element that does not snap back (m), if there is one.
     pub(crate) fn largest_size(&self) -> Option<f64> {
         match self.rate {

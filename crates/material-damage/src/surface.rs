@@ -56,6 +56,9 @@ pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
     fn name(&self) -> &str;
     /// The elastic medium.
     fn medium(&self) -> ElasticMedium;
+    /// The same surface in a medium whose moduli are all larger by a factor.
+    #[must_use]
+    fn with_stiffness(&self, factor: f64) -> Self;
     /// An upper bound of [`excess`](Self::excess) from invariants alone (Pa): where it is not
     /// positive the stress is elastic, and no principal values are needed.
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L;
@@ -73,6 +76,14 @@ pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
     /// Principal plastic strains of uniaxial compression along the third axis, scaled to a third
     /// of minus one.
     fn flow_in_uniaxial_compression(&self) -> [f64; 3];
+}
+
+/// A medium whose moduli are all larger by a factor.
+pub(crate) fn stiffened(medium: &ElasticMedium, factor: f64) -> ElasticMedium {
+    ElasticMedium {
+        young: factor * medium.young,
+        ..*medium
+    }
 }
 
 /// Accepts a medium, angles of friction and dilation (degrees), the second not above the first, and

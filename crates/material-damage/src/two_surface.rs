@@ -5,7 +5,7 @@ use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
 use crate::MaterialError;
 use crate::mohr_coulomb::passive_ratio;
 use crate::planes::{Nearest, ShearPlane};
-use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, mean_and_shear};
+use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, mean_and_shear, stiffened};
 
 /// What a [`TwoSurface`] is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,6 +114,11 @@ impl YieldSurface for TwoSurface {
     }
     fn medium(&self) -> ElasticMedium {
         self.parameters.medium
+    }
+    fn with_stiffness(&self, factor: f64) -> Self {
+        let mut surface = *self;
+        surface.parameters.medium = stiffened(&self.parameters.medium, factor);
+        surface
     }
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {

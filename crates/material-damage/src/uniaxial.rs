@@ -70,6 +70,14 @@ impl UniaxialCurve {
         })
     }
 
+    /// The curve of a material whose elastic moduli are larger by a factor, and which takes the
+    /// same energy.
+    pub(crate) fn with_stiffness(mut self, factor: f64) -> Self {
+        self.lost /= factor;
+        self.steepest /= factor;
+        self
+    }
+
     /// The elastic limit `f` (Pa).
     pub(crate) fn limit(&self) -> f64 {
         self.limit

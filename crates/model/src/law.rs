@@ -119,6 +119,20 @@ impl<'a, L: Lane> LawInput<'a, L> {
             size: L::splat(token, 1.0),
         }
     }
+    /// The same with another strain.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_strain(mut self, strain: Strain<L>) -> Self {
+        self.strain = strain;
+        self
+    }
+    /// The same with another history, such as that of a law within a law.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_history(mut self, history: &'a [L]) -> Self {
+        self.history = history;
+        self
+    }
     /// The same with an initial stress (Pa).
     #[inline(always)]
     #[must_use]
@@ -176,9 +190,18 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     /// The elastic medium of the undamaged material.
     fn medium(&self) -> ElasticMedium;
     /// The history variables at a point, all zero at the start.
-    fn history(&self) -> &'static [HistoryVariable];
+    fn history(&self) -> &[HistoryVariable];
     /// The change of stress (Pa) against the initial stress; writes the new history.
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L>;
+    /// The law in a motion whose steps have a length (s), for laws that depend on time; itself by
+    /// default.
+    ///
+    /// Engines ask the result in every step and commit the history once per step. The law
+    /// itself, of which no step was asked for, is the static one: nothing relaxes.
+    #[must_use]
+    fn for_step(&self, _length: f64) -> Self {
+        self.clone()
+    }
     /// Whether the law is [`LINEAR`](Self::LINEAR).
     fn is_linear(&self) -> bool {
         Self::LINEAR
@@ -192,6 +215,11 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     #[inline(always)]
     fn energy<L: Lane>(&self, _input: &LawInput<L>, _new_history: &[L]) -> Option<LawEnergy<L>> {
         None
+    }
+    /// Whether the work that [`energy`](Self::energy) does not tell of is with relaxation
+    /// mechanisms, which hold some of it and dissipate the rest.
+    fn relaxes(&self) -> bool {
+        false
     }
     /// Accepts or refuses elements of a width ([`LawInput::size`], m), before a run. All are
     /// accepted by default.
@@ -231,7 +259,7 @@ pub trait PointLaw: Send + Sync {
     /// The elastic medium of the undamaged material.
     fn medium(&self) -> ElasticMedium;
     /// The history variables at a point, all zero at the start.
-    fn history(&self) -> &'static [HistoryVariable];
+    fn history(&self) -> &[HistoryVariable];
     /// The change of stress (Pa) against the initial stress; writes the new history.
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
     /// As [`ConstitutiveLaw::energy`].
@@ -271,7 +299,7 @@ impl ConstitutiveLaw for PointAdapter {
     fn medium(&self) -> ElasticMedium {
         self.0.medium()
     }
-    fn history(&self) -> &'static [HistoryVariable] {
+    fn history(&self) -> &[HistoryVariable] {
         self.0.history()
     }
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {

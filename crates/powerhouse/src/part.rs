@@ -53,7 +53,7 @@ trait AnyLaw: Send + Sync {
     fn name(&self) -> &str;
     fn medium(&self) -> ElasticMedium;
     fn is_linear(&self) -> bool;
-    fn history(&self) -> &'static [HistoryVariable];
+    fn history(&self) -> &[HistoryVariable];
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
     /// Blocks by a kernel that this law was compiled with.
     fn blocks(
@@ -74,7 +74,7 @@ impl<T: ConstitutiveLaw> AnyLaw for T {
     fn is_linear(&self) -> bool {
         ConstitutiveLaw::is_linear(self)
     }
-    fn history(&self) -> &'static [HistoryVariable] {
+    fn history(&self) -> &[HistoryVariable] {
         ConstitutiveLaw::history(self)
     }
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
@@ -100,7 +100,7 @@ impl PointLaw for OneByOne {
     fn medium(&self) -> ElasticMedium {
         self.0.medium()
     }
-    fn history(&self) -> &'static [HistoryVariable] {
+    fn history(&self) -> &[HistoryVariable] {
         self.0.0.history()
     }
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {

@@ -147,7 +147,9 @@ where
                 let told =
                     sums.stored - account.stored + sums.plastic + sums.damage - sums.recovered;
                 let rest = sums.work - told;
-                if sums.told {
+                if sums.told && self.law.now().relaxes() {
+                    spent.relaxation += rest;
+                } else if sums.told {
                     spent.integration += rest;
                 } else {
                     spent.plastic += rest;

@@ -15,6 +15,7 @@ use super::history::History;
 use super::memory::Places;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
+use super::stepping::Stepping;
 use super::transfer::{BlockNodes, Locals, NodeScalar};
 use crate::lanes::Lanes;
 use crate::{BlockFactory, BlockOptions, BlockPart, EngineError, Precision};
@@ -208,7 +209,7 @@ where
             history: History::new(self.law.history(), P, batches),
             locals: Locals::default(),
             account: Account::default(),
-            law: self.law.clone(),
+            law: Stepping::new(self.law.clone()),
         })
     }
 

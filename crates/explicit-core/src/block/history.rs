@@ -25,7 +25,7 @@ struct Stand {
 /// other store and copies nothing.
 #[derive(Debug, Default)]
 pub(super) struct History<S> {
-    variables: &'static [HistoryVariable],
+    variables: Vec<HistoryVariable>,
     points: usize,
     width: usize,
     stores: [AlignedNumbers<S>; 2],
@@ -35,7 +35,7 @@ pub(super) struct History<S> {
 impl<S: BatchScalar> History<S> {
     /// Zeros for some batches of a width, with some points per element.
     pub(super) fn new(
-        variables: &'static [HistoryVariable],
+        variables: &[HistoryVariable],
         points: usize,
         (batches, width): (usize, usize),
     ) -> Self {
@@ -46,7 +46,7 @@ impl<S: BatchScalar> History<S> {
             blank: true,
         };
         Self {
-            variables,
+            variables: variables.to_vec(),
             points,
             width,
             stores: [(); 2].map(|()| AlignedNumbers::zeros(numbers)),

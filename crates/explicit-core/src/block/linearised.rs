@@ -102,8 +102,8 @@ where
                 .with_initial(Stress(initial))
                 .with_size(size);
             match operator {
-                Operator::Secant => secant(&self.law, &input, &mut new),
-                _ => tangent(&self.law, &input, &mut new),
+                Operator::Secant => secant(self.law.of_rest(), &input, &mut new),
+                _ => tangent(self.law.of_rest(), &input, &mut new),
             }
         })
     }

@@ -9,6 +9,7 @@ mod linearised;
 mod memory;
 mod numbers;
 mod operations;
+mod stepping;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -29,6 +30,7 @@ use history::History;
 use memory::Places;
 use numbers::AlignedNumbers;
 use operations::{Books, Elastic, LawState, Material, Memory, Moduli, Rates};
+use stepping::Stepping;
 use survey::Summary;
 use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
 
@@ -39,7 +41,7 @@ pub(crate) use factory::{Isotropic, coordinate_rounding};
 struct Block<K, M, S, const N: usize, const P: usize> {
     label: Arc<str>,
     kernel: K,
-    law: M,
+    law: Stepping<M>,
     moduli: Moduli,
     damping: Rayleigh,
     lanes: Lanes,
@@ -201,7 +203,7 @@ where
     ) -> bool {
         let operation = Material::<K, M, A, S, N, P> {
             kernel: &self.kernel,
-            law: &self.law,
+            law: self.law.now(),
             batches: self.batches(),
             moduli: self.moduli,
             state: self.law_state(),
@@ -283,6 +285,7 @@ where
         out: &mut [Quad<A>],
     ) -> Result<(), ElementFault> {
         let damping = self.coefficient(context);
+        self.law.prepare(context.step);
         let mut sums = StepSums::default();
         let booked = context.ledger.then_some((context.step, &mut sums));
         let finite = self.write_forces(displacement, velocity, damping, booked, out);

@@ -1,8 +1,9 @@
 //! Many points at once against one at a time.
 
 use powerhouse_material_damage::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LeeFenves, LeeFenvesParameters,
-    Mazars, MohrCoulomb, MohrCoulombParameters, TwoSurface, presets,
+    ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, FlatDamping,
+    LeeFenves, LeeFenvesParameters, Mazars, MohrCoulomb, MohrCoulombParameters, ReferenceFrequency,
+    RelaxationSpectrum, TwoSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 
@@ -136,4 +137,21 @@ fn mazars_is_the_same_wide_and_scalar() {
     let law = Mazars::new(presets::PAPER_CONCRETE_MAZARS).unwrap();
     same_bits::<f64, _>(&law, 3.0e-5);
     same_bits::<f32, _>(&law, 3.0e-5);
+}
+
+/// A damped law: many points at once are the same bits as one at a time, in both precisions.
+#[test]
+fn a_damped_law_is_the_same_wide_and_scalar() {
+    let band = DampingBand {
+        ratio: 0.05,
+        lowest: 0.5,
+        highest: 20.0,
+        mechanisms: 3,
+    };
+    let spectrum = RelaxationSpectrum::fit(band).unwrap();
+    let concrete = presets::paper_concrete().unwrap();
+    let law = FlatDamping::new(concrete, spectrum, ReferenceFrequency::Centre).unwrap();
+    let law = law.for_step(1.0e-3);
+    same_bits::<f64, _>(&law, 3.0e-4);
+    same_bits::<f32, _>(&law, 3.0e-4);
 }

@@ -5,6 +5,7 @@ mod driver;
 mod drucker_prager;
 mod exhaustive;
 mod extremes;
+mod flat_damping;
 mod lanes;
 mod lee_fenves;
 mod mazars;

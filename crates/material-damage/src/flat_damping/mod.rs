@@ -1,0 +1,281 @@
+//! Damping that is the same at all frequencies of a band, in series with any law.
+
+mod spectrum;
+
+use std::sync::Arc;
+
+use powerhouse_model::{
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
+    ParameterError, Strain, Stress,
+};
+
+use crate::history::strain;
+use spectrum::Decay;
+pub use spectrum::{DampingBand, MOST_MECHANISMS, Mechanism, RelaxationSpectrum};
+
+/// A law whose elastic part can be told from the rest, so that damping can stand in series with
+/// it.
+pub trait ElasticInSeries: ConstitutiveLaw {
+    /// The same law with all elastic moduli times a factor, its strengths unchanged.
+    #[must_use]
+    fn with_stiffness(&self, factor: f64) -> Self;
+    /// The part of the strain that unloading would leave, from the history of a point; none for
+    /// a law without plastic strain.
+    #[inline(always)]
+    fn inelastic_strain<L: Lane>(&self, _history: &[L]) -> Option<[L; 6]> {
+        None
+    }
+}
+
+/// Where the medium of a [`FlatDamping`] has the speeds that its law states.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ReferenceFrequency {
+    /// At the geometric centre of the band.
+    #[default]
+    Centre,
+    /// At a frequency (Hz) above zero, such as that of the tests that gave the moduli.
+    At(f64),
+    /// At rest: the moduli are static ones.
+    Static,
+}
+
+/// Any law, damped by relaxation mechanisms in series with its plastic flow and damage.
+///
+/// The elastic strain `e` of the law (strain less plastic strain) strains a spring and, beside
+/// it, the mechanisms of a [`RelaxationSpectrum`] with moduli proportional to the elastic ones:
+///
+/// `s = C_0 (e + sum y_l (e - v_l))`, `dv_l/dt = w_l (e - v_l)`
+///
+/// and it is the total `s` that yields and cracks: a strength is never overshot, which damping
+/// *added* to a law does by its viscous stress. The law itself is asked with the strain less the
+/// viscous part and with the moduli of a sudden strain, so that any law can be damped.
+///
+/// `C_0` is such that waves at the [`ReferenceFrequency`] have the speed of the law's medium.
+/// [`medium`](ConstitutiveLaw::medium) is the unrelaxed one, which bounds the stable step: shorter
+/// than undamped by `sqrt(M(inf) / |M(reference)|)`.
+///
+/// History: that of the law, and six numbers of each mechanism: the strain of its dashpot at the
+/// end of the next step, as far as it is known.
+///
+/// # Valid range
+/// Strain is measured from the start of the motion: a static stress before it is an initial
+/// stress, which does not relax. Damage acts on the sum, in effective stress. An engine asks
+/// [`for_step`](ConstitutiveLaw::for_step); without it the law is the static one.
+///
+/// # Why so
+/// *Each mechanism is advanced exactly* for a strain that is linear within the step: passive for
+/// every step, and it takes six numbers, because what is known at the end of a step is folded
+/// into one.
+///
+/// ```
+/// use powerhouse_material_damage::*;
+/// use powerhouse_model::{ConstitutiveLaw, LawInput, Strain};
+/// let band = DampingBand { ratio: 0.05, lowest: 0.5, highest: 20.0, mechanisms: 2 };
+/// let rock = ElastoPlastic::new(MohrCoulomb::new(presets::PAPER_ROCK)?);
+/// let damped = FlatDamping::new(rock, RelaxationSpectrum::fit(band)?, ReferenceFrequency::Centre)?;
+/// assert_eq!(damped.history().len(), 8 + 12);
+/// let shortening = rock.medium().p_speed() / damped.medium().p_speed();
+/// assert!(shortening > 0.9, "{shortening}");
+/// # Ok::<(), MaterialError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FlatDamping<M> {
+    /// The law as it was given.
+    reference: M,
+    /// The law that is asked: with other moduli in a step.
+    asked: M,
+    spectrum: Arc<RelaxationSpectrum>,
+    /// Static moduli relative to those of the law as it was given.
+    relaxed: f64,
+    medium: ElasticMedium,
+    variables: Arc<[HistoryVariable]>,
+    /// None for the static law.
+    terms: Option<Terms>,
+}
+
+/// Factors of the mechanisms in a step.
+#[derive(Clone, Copy, Debug)]
+struct Terms {
+    count: usize,
+    /// Of what a mechanism keeps, in the viscous strain.
+    viscous: [f64; MOST_MECHANISMS],
+    /// Of what a mechanism keeps, in the next step.
+    kept: [f64; MOST_MECHANISMS],
+    /// Of the elastic strain, in the next step.
+    gained: [f64; MOST_MECHANISMS],
+}
+
+impl Terms {
+    /// The strain less its viscous part.
+    #[inline(always)]
+    fn asked<L: Lane>(&self, strain: &Strain<L>, before: &[L]) -> Strain<L> {
+        let shares = self.viscous.map(|share| strain.0[0].constant(-share));
+        Strain(core::array::from_fn(|i| {
+            (0..self.count).fold(strain.0[i], |rest, l| {
+                before[6 * l + i].mul_add(shares[l], rest)
+            })
+        }))
+    }
+}
+
+impl<M: ElasticInSeries> FlatDamping<M> {
+    /// The law, damped.
+    ///
+    /// # Errors
+    /// A reference frequency that is not positive.
+    pub fn new(
+        law: M,
+        spectrum: RelaxationSpectrum,
+        reference: ReferenceFrequency,
+    ) -> Result<Self, ParameterError> {
+        let velocity = match reference {
+            ReferenceFrequency::Static => 1.0,
+            ReferenceFrequency::Centre => spectrum.velocity(spectrum.centre()),
+            ReferenceFrequency::At(frequency) => {
+                ParameterError::check("reference", frequency, f64::MIN_POSITIVE, 1.0e6)?;
+                spectrum.velocity(frequency)
+            }
+        };
+        let relaxed = 1.0 / (velocity * velocity);
+        let count = spectrum.mechanisms().len();
+        let mut variables = law.history().to_vec();
+        variables.extend_from_slice(&RELAXING[..6 * count]);
+        let unrelaxed = law.with_stiffness(relaxed * spectrum.unrelaxed());
+        Ok(Self {
+            medium: unrelaxed.medium(),
+            asked: law.clone(),
+            reference: law,
+            spectrum: Arc::new(spectrum),
+            relaxed,
+            variables: variables.into(),
+            terms: None,
+        })
+    }
+    /// The law without damping.
+    pub fn law(&self) -> &M {
+        &self.reference
+    }
+    /// The mechanisms.
+    pub fn spectrum(&self) -> &RelaxationSpectrum {
+        &self.spectrum
+    }
+    /// The speed of waves at a frequency (Hz), relative to that of the law's own medium.
+    pub fn velocity(&self, frequency: f64) -> f64 {
+        self.relaxed.sqrt() * self.spectrum.velocity(frequency)
+    }
+}
+
+impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
+    fn name(&self) -> &str {
+        self.reference.name()
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.medium
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        &self.variables
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        let own = new_history.len() - 6 * self.spectrum.mechanisms().len();
+        let (of_law, relaxing) = new_history.split_at_mut(own);
+        let (law_before, before) = input.history.split_at(own);
+        let Some(terms) = &self.terms else {
+            relaxing.copy_from_slice(before);
+            return self
+                .asked
+                .stress_change(&input.with_history(law_before), of_law);
+        };
+        let first = input.strain.0[0];
+        let asked = input.with_history(law_before);
+        let asked = asked.with_strain(terms.asked(&input.strain, before));
+        let stress = self.asked.stress_change(&asked, of_law);
+        let elastic = match self.asked.inelastic_strain(of_law) {
+            Some(inelastic) => core::array::from_fn(|i| input.strain.0[i] - inelastic[i]),
+            None => input.strain.0,
+        };
+        for l in 0..terms.count {
+            let kept = first.constant(terms.kept[l]);
+            let gained = first.constant(terms.gained[l]);
+            for i in 0..6 {
+                let place = 6 * l + i;
+                relaxing[place] = before[place].mul_add(kept, elastic[i] * gained);
+            }
+        }
+        stress
+    }
+    /// As the law tells of the strain less its viscous part: held is what a sudden unloading
+    /// gives back. The rest of the work is with the mechanisms.
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
+        let own = new_history.len() - 6 * self.spectrum.mechanisms().len();
+        let (law_before, before) = input.history.split_at(own);
+        let mut asked = input.with_history(law_before);
+        if let Some(terms) = &self.terms {
+            asked = asked.with_strain(terms.asked(&input.strain, before));
+        }
+        self.asked.energy(&asked, &new_history[..own])
+    }
+    fn relaxes(&self) -> bool {
+        true
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        self.reference.accept_size(size)
+    }
+    fn for_step(&self, step: f64) -> Self {
+        let mut law = self.clone();
+        if step <= 0.0 {
+            law.terms = None;
+            law.asked = self.reference.clone();
+            return law;
+        }
+        let mechanisms = self.spectrum.mechanisms();
+        let mut terms = Terms {
+            count: mechanisms.len(),
+            viscous: [0.0; MOST_MECHANISMS],
+            kept: [0.0; MOST_MECHANISMS],
+            gained: [0.0; MOST_MECHANISMS],
+        };
+        let mut sudden = 1.0;
+        for (l, mechanism) in mechanisms.iter().enumerate() {
+            let decay = Decay::new(mechanism, step);
+            sudden += mechanism.weight * (1.0 - decay.after);
+            terms.kept[l] = decay.kept;
+            terms.gained[l] = decay.kept.mul_add(decay.after, decay.before);
+        }
+        for (share, mechanism) in terms.viscous.iter_mut().zip(mechanisms) {
+            *share = mechanism.weight / sudden;
+        }
+        law.terms = Some(terms);
+        law.asked = self.reference.with_stiffness(self.relaxed * sudden);
+        law
+    }
+}
+
+/// The variables of all mechanisms.
+const RELAXING: [HistoryVariable; 6 * MOST_MECHANISMS] = [
+    strain("relaxing_strain_1_xx"),
+    strain("relaxing_strain_1_yy"),
+    strain("relaxing_strain_1_zz"),
+    strain("relaxing_strain_1_xy"),
+    strain("relaxing_strain_1_yz"),
+    strain("relaxing_strain_1_zx"),
+    strain("relaxing_strain_2_xx"),
+    strain("relaxing_strain_2_yy"),
+    strain("relaxing_strain_2_zz"),
+    strain("relaxing_strain_2_xy"),
+    strain("relaxing_strain_2_yz"),
+    strain("relaxing_strain_2_zx"),
+    strain("relaxing_strain_3_xx"),
+    strain("relaxing_strain_3_yy"),
+    strain("relaxing_strain_3_zz"),
+    strain("relaxing_strain_3_xy"),
+    strain("relaxing_strain_3_yz"),
+    strain("relaxing_strain_3_zx"),
+    strain("relaxing_strain_4_xx"),
+    strain("relaxing_strain_4_yy"),
+    strain("relaxing_strain_4_zz"),
+    strain("relaxing_strain_4_xy"),
+    strain("relaxing_strain_4_yz"),
+    strain("relaxing_strain_4_zx"),
+];
