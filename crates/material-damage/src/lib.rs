@@ -10,6 +10,7 @@
 //! | [`ElastoPlastic`] of [`MohrCoulomb`] | friction, dilation, cohesion, cut-off | 8: plastic strain, equivalent plastic strain, yield state | perfectly plastic |
 //! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only |
 //! | [`ElastoPlastic`] of [`TwoSurface`] | friction, dilation, cohesion, both uniaxial strengths | the same 8 | perfectly plastic; `f_c / f_t` above `N` |
+//! | [`ElastoPlastic`] of [`HoekBrown`] | strength and constant of intact rock, geological strength index, disturbance, share of dilation | the same 8 | perfectly plastic; isotropic rock mass |
 //! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions |
 //! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 13 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak |
 //! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) |
@@ -52,6 +53,7 @@ mod error;
 mod exponential;
 mod flat_damping;
 mod history;
+mod hoek_brown;
 mod lee_fenves;
 mod linear_elastic;
 mod mazars;
@@ -76,6 +78,7 @@ pub use flat_damping::{
     DampingBand, ElasticInSeries, FlatDamping, MOST_MECHANISMS, Mechanism, ReferenceFrequency,
     RelaxationSpectrum,
 };
+pub use hoek_brown::{HoekBrown, HoekBrownParameters};
 pub use lee_fenves::{LeeFenves, LeeFenvesParameters};
 pub use linear_elastic::LinearElastic;
 pub use mazars::{Mazars, MazarsParameters, MazarsTension};

@@ -3,8 +3,8 @@
 use powerhouse_model::{Lane, Scalar};
 
 /// The most evaluations. Smooth functions take three to six; the worst halve the bracket at every
-/// third.
-const MOST: usize = 160;
+/// third, and a zero may lie at the 1e-130th part of it.
+const MOST: usize = 1500;
 /// A bracket that has not become half as wide in so many evaluations is halved.
 const PATIENCE: usize = 3;
 

@@ -1,11 +1,12 @@
 //! Strains of every size, and none.
 
 use powerhouse_material_damage::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LeeFenves, PrincipalAxes,
-    TwoSurface, YieldSurface, presets,
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown, LeeFenves,
+    PrincipalAxes, TwoSurface, YieldSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
+use crate::hoek_brown::tunnel;
 use crate::random::Random;
 
 fn respond(law: &impl ConstitutiveLaw, strain: [f64; 6]) -> (Stress, Vec<f64>) {
@@ -109,4 +110,15 @@ fn lee_fenves_is_admissible_or_not_finite() {
         // thousandth too.
         1e-6 * 16.7e6 * law.yield_function(&effective, history, 1.0)
     });
+}
+
+/// Hoek-Brown: strains of every size give an admissible stress or one that is not finite.
+#[test]
+fn hoek_brown_is_admissible_or_not_finite() {
+    for share in [0.0, 1.0] {
+        let surface = HoekBrown::new(tunnel(share)).unwrap();
+        check(&ElastoPlastic::new(surface), |stress, _| {
+            surface.excess(&PrincipalAxes::of(stress).values)
+        });
+    }
 }

@@ -2,11 +2,12 @@
 
 use powerhouse_material_damage::{
     ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, FlatDamping,
-    LeeFenves, LeeFenvesParameters, Mazars, MohrCoulomb, MohrCoulombParameters, ReferenceFrequency,
-    RelaxationSpectrum, TwoSurface, presets,
+    HoekBrown, LeeFenves, LeeFenvesParameters, Mazars, MohrCoulomb, MohrCoulombParameters,
+    ReferenceFrequency, RelaxationSpectrum, TwoSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 
+use crate::hoek_brown::tunnel;
 use crate::packs::Pack;
 use crate::random::Random;
 
@@ -107,6 +108,16 @@ fn two_surface_is_the_same_wide_and_scalar() {
     let law = ElastoPlastic::new(TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap());
     same_bits::<f64, _>(&law, 3.0e-4);
     same_bits::<f32, _>(&law, 3.0e-4);
+}
+
+/// Hoek-Brown: many points at once are the same bits as one at a time, in both precisions.
+#[test]
+fn hoek_brown_is_the_same_wide_and_scalar() {
+    for share in [0.0, 0.5] {
+        let law = ElastoPlastic::new(HoekBrown::new(tunnel(share)).unwrap());
+        same_bits::<f64, _>(&law, 1.0e-3);
+        same_bits::<f32, _>(&law, 1.0e-3);
+    }
 }
 
 /// Plasticity with damage: many points at once are the same bits as one at a time, in both

@@ -6,6 +6,8 @@ mod drucker_prager;
 mod exhaustive;
 mod extremes;
 mod flat_damping;
+mod frames;
+mod hoek_brown;
 mod lanes;
 mod lee_fenves;
 mod mazars;
