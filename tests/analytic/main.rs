@@ -2,5 +2,6 @@
 
 mod column;
 mod damping;
+mod equilibrium;
 mod joints;
 mod sphere;

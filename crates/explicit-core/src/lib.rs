@@ -76,6 +76,11 @@
 //! a sum balances whatever the elements do. Nodal work is booked in halves, before and after the
 //! time of the force, with `1/2 v- . M v+`; everything else closes to the order of the step only.
 //!
+//! *A body comes to rest by its elastic operator* ([`Model::equilibrate`]): conjugate gradients need
+//! nothing but the blocks' products, no matrix is ever assembled. Laws that yield take more
+//! corrections of the same kind, each combined with the last ones, instead of tangents that few laws
+//! have and that need not be symmetric.
+//!
 //! *The paper's scheme is a leapfrog* with less damping, see [`OneSided`]; it is computed as such,
 //! and refused where it would grow.
 
@@ -99,6 +104,7 @@ mod partition;
 mod run;
 mod spectrum;
 mod stable_step;
+mod statics;
 mod support;
 mod view;
 
@@ -114,4 +120,5 @@ pub use run::{
     run_reporting,
 };
 pub use stable_step::StableStep;
+pub use statics::{StaticError, StaticOptions, StaticProgress, StaticReport};
 pub use support::{PeriodicPairs, Prescribed, Support};

@@ -108,13 +108,22 @@ impl Model {
     }
 
     /// Restricts a vector to the leads and the free directions of the groups.
-    fn reduce(&self, vector: &mut [Vec3]) {
+    pub(crate) fn reduce(&self, vector: &mut [Vec3]) {
         for group in &self.groups.groups {
             for &member in &group.members[1..] {
                 vector[member as usize] = Vec3::zeros();
             }
             let lead = &mut vector[group.members[0] as usize];
             *lead = group.condition.free(*lead);
+        }
+    }
+
+    /// Gives the members of groups the entry of their lead.
+    pub(crate) fn spread(&self, vector: &mut [Vec3]) {
+        for group in &self.groups.groups {
+            for &member in &group.members[1..] {
+                vector[member as usize] = vector[group.members[0] as usize];
+            }
         }
     }
 
@@ -126,11 +135,7 @@ impl Model {
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
         let mut spread: Vec<Vec3> = vector.par_iter().zip(scale).map(|(x, s)| x * *s).collect();
-        for group in &self.groups.groups {
-            for &member in &group.members[1..] {
-                spread[member as usize] = spread[group.members[0] as usize];
-            }
-        }
+        self.spread(&mut spread);
         let mut product = self.elastic_product(&spread, weight);
         for group in &self.groups.groups {
             let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
@@ -144,7 +149,8 @@ impl Model {
         product
     }
 
-    fn elastic_product(
+    /// The elastic operators of all blocks, weighted, times a nodal vector.
+    pub(crate) fn elastic_product(
         &mut self,
         vector: &[Vec3],
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
@@ -182,7 +188,7 @@ fn product<S: Storage>(
 }
 
 /// The inner product, summed in a fixed order.
-fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
     let parts: Vec<f64> = a
         .par_chunks(4096)
         .zip(b.par_chunks(4096))

@@ -292,6 +292,18 @@ impl Condition {
         }
     }
 
+    /// The orthonormal directions that are held or driven.
+    pub(crate) fn directions(&self) -> &[Vec3] {
+        &self.basis
+    }
+
+    /// The vector along the basis from the values of the prescribed motions.
+    pub(crate) fn along(&self, prescribed: &[f64]) -> Vec3 {
+        let target = self.target(prescribed);
+        let parts = self.basis.iter().enumerate();
+        parts.map(|(i, q)| q * target[i]).sum()
+    }
+
     /// Velocities along the basis (m/s) from those of the prescribed motions.
     pub(crate) fn target(&self, prescribed: &[f64]) -> Vec3 {
         let mut target = Vec3::zeros();

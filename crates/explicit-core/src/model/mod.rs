@@ -22,8 +22,8 @@ use crate::stable_step::Spectrum;
 pub use builder::{ElementChoice, ModelBuilder};
 
 /// A constraint with the places where it acts, and its buffers.
-struct Bound {
-    constraint: Box<dyn Constraint>,
+pub(crate) struct Bound {
+    pub(crate) constraint: Box<dyn Constraint>,
     /// Engine nodes, in the constraint's order.
     nodes: Vec<u32>,
     /// Their groups.
@@ -43,7 +43,7 @@ struct Bound {
 /// [`Dynamics`](powerhouse_model::Dynamics).
 pub struct Model {
     pub(crate) mesh: Mesh,
-    numbering: Numbering,
+    pub(crate) numbering: Numbering,
     pub(crate) blocks: Vec<Box<dyn ElementBlock>>,
     /// Slots of each block in the force buffer.
     pub(crate) lengths: Vec<usize>,
@@ -59,7 +59,7 @@ pub struct Model {
     pub(crate) groups: Groups,
     pub(crate) loads: AppliedLoads,
     prescribed: Vec<Box<dyn TimeFunction>>,
-    constraints: Vec<Bound>,
+    pub(crate) constraints: Vec<Bound>,
     initial_stress: Vec<powerhouse_model::Stress>,
     pub(crate) time: f64,
     pub(crate) number: u64,
@@ -127,6 +127,11 @@ impl Model {
 
     pub(crate) fn engine(&self, node: u32) -> usize {
         self.numbering.engine_of[node as usize] as usize
+    }
+
+    /// The values of the prescribed motions at the present time (m).
+    pub(crate) fn prescribed_values(&self) -> Vec<f64> {
+        self.prescribed.iter().map(|f| f.value(self.time)).collect()
     }
 
     /// Runs work in the model's own threads, or in those that all share: a thread of neither would

@@ -8,7 +8,7 @@ use powerhouse_model::{
 
 use super::Model;
 use crate::EngineError;
-use crate::nodes::with_nodes;
+use crate::nodes::{Storage, with_nodes};
 
 impl Model {
     /// Displacement (m) of a mesh node.
@@ -148,6 +148,24 @@ impl Model {
             let lead = self.groups.groups[g].members[0] as usize;
             self.groups.origin[g] = self.displacement_of(lead);
         }
+    }
+
+    /// The mean change of stress (Pa) of each element of the mesh against its initial stress,
+    /// under the committed history.
+    pub fn stress_changes(&self) -> Vec<Stress> {
+        let mut all = vec![Stress::default(); self.mesh.element_count()];
+        for block in &self.blocks {
+            let mut own = vec![Stress::default(); block.elements().len()];
+            with_nodes!(&self.nodes, arrays => {
+                block.add_stress(Storage::view(&arrays.displacement), &mut own);
+            });
+            for (&element, stress) in block.elements().iter().zip(own) {
+                if let Some(place) = all.get_mut(element as usize) {
+                    *place = stress;
+                }
+            }
+        }
+        all
     }
 
     /// The joints of the constraints.

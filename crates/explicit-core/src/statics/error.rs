@@ -1,0 +1,74 @@
+//! Why a static solution cannot be had.
+
+use powerhouse_model::ParameterError;
+use thiserror::Error;
+
+/// A model that does not come to rest. Nodes and elements are named by the user's numbers.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum StaticError {
+    /// An option outside its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A part of the model that can move as a rigid body.
+    #[error(
+        "the part with element {element} of set '{set}' ({elements} elements) can {motion} freely"
+    )]
+    Floating {
+        /// An element of the part.
+        element: u64,
+        /// Its set.
+        set: String,
+        /// How many elements the part has.
+        elements: usize,
+        /// The motion that nothing resists.
+        motion: String,
+    },
+    /// A node that nothing resists.
+    #[error("node {node} has no stiffness")]
+    NoStiffness {
+        /// The node's number.
+        node: u64,
+    },
+    /// A constraint that knows no static form.
+    #[error("'{name}' has no static form")]
+    Constraint {
+        /// Its name.
+        name: String,
+    },
+    /// An element that cannot be computed.
+    #[error("element {element} of set '{set}': {reason}")]
+    Element {
+        /// The element's number.
+        element: u64,
+        /// Its set.
+        set: String,
+        /// Why.
+        reason: String,
+    },
+    /// Forces that do not balance.
+    #[error(
+        "the forces out of balance stay at {residual:.3e} of the load at {share} of it, most of \
+         all at node {node} (element {element} of set '{set}')"
+    )]
+    NotConverged {
+        /// Forces out of balance over the load.
+        residual: f64,
+        /// The share of the load.
+        share: f64,
+        /// The node where most is out of balance.
+        node: u64,
+        /// An element at it.
+        element: u64,
+        /// That element's set.
+        set: String,
+    },
+    /// The conjugate gradients do not come to an end.
+    #[error("the linear solver leaves {residual:.3e} after {products} products")]
+    LinearSolver {
+        /// What is left, relative.
+        residual: f64,
+        /// Products of the operator.
+        products: u64,
+    },
+}

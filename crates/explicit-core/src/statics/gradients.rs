@@ -1,0 +1,54 @@
+//! Conjugate gradients.
+
+use powerhouse_model::Vec3;
+use rayon::prelude::*;
+
+use super::StaticError;
+use super::system::{System, dot, norm};
+
+/// Products after which the solver gives up, times the cube root of the unknowns.
+const PATIENCE: f64 = 60.0;
+
+/// Solves `K x = b` to a share `left` of the norm of `b`; yields the solution and the products it
+/// took.
+///
+/// Hestenes & Stiefel (1952), with the inverses of the nodal diagonals.
+pub(super) fn solve(
+    system: &mut System,
+    b: &[Vec3],
+    left: f64,
+) -> Result<(Vec<Vec3>, u64), StaticError> {
+    let goal = left * norm(b);
+    let mut x = vec![Vec3::zeros(); b.len()];
+    let mut residual = b.to_vec();
+    let mut preconditioned = system.precondition(&residual);
+    let mut direction = preconditioned.clone();
+    let mut weight = dot(&residual, &preconditioned);
+    let most = (PATIENCE * (3.0 * b.len() as f64).cbrt()).max(200.0) as u64;
+    let mut size = norm(&residual);
+    for products in 0..most {
+        if size <= goal {
+            return Ok((x, products));
+        }
+        let image = system.product(&direction);
+        let curvature = dot(&direction, &image);
+        if !(curvature > 0.0 && curvature.is_finite()) {
+            let residual = size / norm(b);
+            return Err(StaticError::LinearSolver { residual, products });
+        }
+        let length = weight / curvature;
+        (x.par_iter_mut().zip(&direction)).for_each(|(x, d)| *x += d * length);
+        (residual.par_iter_mut().zip(&image)).for_each(|(r, w)| *r -= w * length);
+        preconditioned = system.precondition(&residual);
+        let next = dot(&residual, &preconditioned);
+        let turn = next / weight;
+        weight = next;
+        (direction.par_iter_mut().zip(&preconditioned)).for_each(|(d, z)| *d = z + *d * turn);
+        size = norm(&residual);
+    }
+    let residual = size / norm(b);
+    Err(StaticError::LinearSolver {
+        residual,
+        products: most,
+    })
+}

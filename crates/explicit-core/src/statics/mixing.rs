@@ -1,0 +1,107 @@
+//! Fixed-point iteration with memory.
+
+use nalgebra::{DMatrix, DVector};
+use powerhouse_model::Vec3;
+
+use super::system::dot;
+
+/// Anderson mixing of corrections.
+///
+/// For an iteration `u <- u + g(u)` it takes the combination of the last points whose corrections
+/// add up to the smallest one, `min |g - sum c_j dg_j|`, and goes on from there:
+///
+/// `u <- u + g - sum c_j (du_j + dg_j)`
+///
+/// Source: Anderson (1965), *J. ACM* 12(4), 547-560; as least squares of differences: Walker & Ni
+/// (2011), *SIAM J. Numer. Anal.* 49(4).
+pub(super) struct Mixing {
+    most: usize,
+    last: Option<(Vec<Vec3>, Vec<Vec3>)>,
+    /// Differences of points and of corrections, the oldest first.
+    differences: Vec<(Vec<Vec3>, Vec<Vec3>)>,
+    /// Norm of the last correction.
+    size: f64,
+}
+
+/// A correction this many times the last one starts anew.
+const WORSE: f64 = 4.0;
+/// Directions that add less than this share to those known are left out.
+const DEPENDENT: f64 = 1.0e-12;
+
+impl Mixing {
+    /// With so many differences remembered.
+    pub(super) fn new(most: usize) -> Self {
+        Self {
+            most,
+            last: None,
+            differences: Vec::new(),
+            size: f64::INFINITY,
+        }
+    }
+
+    /// Moves a point on by its correction.
+    pub(super) fn advance(&mut self, u: &mut [Vec3], correction: Vec<Vec3>) {
+        let size = dot(&correction, &correction).sqrt();
+        if size > WORSE * self.size {
+            self.differences.clear();
+            self.last = None;
+        }
+        self.size = size;
+        if let Some((point, before)) = self.last.take() {
+            if self.differences.len() == self.most {
+                self.differences.remove(0);
+            }
+            self.differences
+                .push((minus(u, &point), minus(&correction, &before)));
+        }
+        let point = u.to_vec();
+        let shares = self.shares(&correction);
+        for (u, g) in u.iter_mut().zip(&correction) {
+            *u += g;
+        }
+        for (share, (moved, changed)) in shares.iter().zip(&self.differences) {
+            for ((u, du), dg) in u.iter_mut().zip(moved).zip(changed) {
+                *u -= (du + dg) * *share;
+            }
+        }
+        self.last = Some((point, correction));
+    }
+
+    /// Least squares by the eigenvalues of the normal equations, in which directions that depend
+    /// on others are left out.
+    fn shares(&self, correction: &[Vec3]) -> Vec<f64> {
+        let count = self.differences.len();
+        if count == 0 {
+            return Vec::new();
+        }
+        let column = |i: usize| &self.differences[i].1;
+        let scales: Vec<f64> = (0..count)
+            .map(|i| dot(column(i), column(i)).sqrt())
+            .map(|size| if size > 0.0 { 1.0 / size } else { 0.0 })
+            .collect();
+        let normal = DMatrix::from_fn(count, count, |i, j| {
+            scales[i] * scales[j] * dot(column(i), column(j))
+        });
+        let right = DVector::from_fn(count, |i, _| scales[i] * dot(column(i), correction));
+        let eigen = normal.symmetric_eigen();
+        let largest = eigen.eigenvalues.max();
+        let mut shares = vec![0.0; count];
+        for (value, vector) in eigen
+            .eigenvalues
+            .iter()
+            .zip(eigen.eigenvectors.column_iter())
+        {
+            if *value > DEPENDENT * largest {
+                let along = vector.dot(&right) / value;
+                for i in 0..count {
+                    shares[i] += scales[i] * vector[i] * along;
+                }
+            }
+        }
+        shares
+    }
+}
+
+fn minus(a: &[Vec3], b: &[Vec3]) -> Vec<Vec3> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}

@@ -1,0 +1,141 @@
+//! Whether anything in a model can move freely.
+
+use nalgebra::{Matrix3x6, Matrix6, Vector6};
+use powerhouse_model::{Mat3, Vec3};
+
+use super::StaticError;
+use crate::Model;
+
+/// A motion with less than this share of the greatest resistance counts as free.
+const FREE: f64 = 1.0e-10;
+
+/// Displacement of a place by a rigid motion, turns in units of one over the part's size.
+fn rigid(place: &Vec3) -> Matrix3x6<f64> {
+    let mut matrix = Matrix3x6::zeros();
+    matrix
+        .fixed_view_mut::<3, 3>(0, 0)
+        .copy_from(&Mat3::identity());
+    let turn = -place.cross_matrix();
+    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&turn);
+    matrix
+}
+
+/// Sets that are joined step by step.
+struct Parts(Vec<u32>);
+
+impl Parts {
+    fn root(&mut self, mut node: u32) -> u32 {
+        while self.0[node as usize] != node {
+            let above = self.0[self.0[node as usize] as usize];
+            self.0[node as usize] = above;
+            node = above;
+        }
+        node
+    }
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+impl Model {
+    /// Refuses constraints without a static form, and parts that supports, springs and ties leave
+    /// a rigid motion.
+    pub(super) fn check_static(&self) -> Result<(), StaticError> {
+        if let Some(bound) = self.constraints.first() {
+            return Err(StaticError::Constraint {
+                name: bound.constraint.name().into(),
+            });
+        }
+        let count = self.mesh.node_count();
+        let mut parts = Parts((0..count as u32).collect());
+        for block in &self.blocks {
+            for &element in block.elements() {
+                if (element as usize) < self.mesh.element_count() {
+                    let nodes = self.mesh.nodes_of(element);
+                    nodes.iter().for_each(|&node| parts.join(nodes[0], node));
+                }
+            }
+        }
+        let of_mesh = |engine: u32| self.numbering.mesh_of[engine as usize];
+        let known = |node: u32| (node as usize) < count;
+        for group in &self.groups.groups {
+            let lead = of_mesh(group.members[0]);
+            for &member in &group.members {
+                let member = of_mesh(member);
+                if known(lead) && known(member) {
+                    parts.join(lead, member);
+                }
+            }
+        }
+
+        let (low, high) = self.mesh.bounding_box();
+        let (middle, size) = (
+            0.5 * (low + high),
+            (high - low).amax().max(f64::MIN_POSITIVE),
+        );
+        let place = |node: u32| (self.mesh.positions()[node as usize] - middle) / size;
+        let mut resistance = std::collections::BTreeMap::<u32, Matrix6<f64>>::new();
+        for group in &self.groups.groups {
+            let lead = of_mesh(group.members[0]);
+            if !known(lead) {
+                continue;
+            }
+            let own = rigid(&place(lead));
+            let sum = resistance.entry(parts.root(lead)).or_default();
+            for direction in group.condition.directions() {
+                let row = direction.transpose() * own;
+                *sum += row.transpose() * row;
+            }
+            let stiffness = group.spring.amax();
+            if stiffness > 0.0 {
+                *sum += own.transpose() * (group.spring / stiffness) * own;
+            }
+            for &member in &group.members[1..] {
+                let member = of_mesh(member);
+                if known(member) {
+                    let apart = rigid(&place(member)) - own;
+                    *sum += apart.transpose() * apart;
+                }
+            }
+        }
+
+        let mut first_of = std::collections::BTreeMap::<u32, (u32, usize)>::new();
+        for element in 0..self.mesh.element_count() as u32 {
+            let root = parts.root(self.mesh.nodes_of(element)[0]);
+            first_of.entry(root).or_insert((element, 0)).1 += 1;
+        }
+        for (root, (element, elements)) in first_of {
+            let held = resistance.get(&root).copied().unwrap_or_default();
+            let eigen = held.symmetric_eigen();
+            let least = eigen.eigenvalues.imin();
+            if eigen.eigenvalues[least] > FREE * eigen.eigenvalues.max() {
+                continue;
+            }
+            let (block, _) = self.place_of_element[element as usize];
+            let set = self.blocks.get(block as usize);
+            return Err(StaticError::Floating {
+                element: self.element_tag(element),
+                set: set.map_or_else(String::new, |block| block.label().into()),
+                elements,
+                motion: motion(&eigen.eigenvectors.column(least).into_owned()),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A rigid motion in words.
+fn motion(free: &Vector6<f64>) -> String {
+    let (shift, turn) = (free.fixed_rows::<3>(0), free.fixed_rows::<3>(3));
+    let (what, vector) = if turn.norm() > 1.0e-6 {
+        ("turn about", turn)
+    } else {
+        ("move along", shift)
+    };
+    let vector = vector.normalize();
+    format!(
+        "{what} ({:.3}, {:.3}, {:.3})",
+        vector[0], vector[1], vector[2]
+    )
+}
