@@ -7,7 +7,9 @@ use powerhouse_model::{
 
 use crate::energy::Step;
 use crate::history::number;
-use crate::softening::{damage_of, inverse_rate_in_total_strain};
+use crate::softening::{
+    STEEPEST, damage_of, damage_of_falling_stress, inverse_rate_in_total_strain,
+};
 use crate::surface::{mean_and_shear, stiffened};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes};
 
@@ -18,6 +20,12 @@ pub enum MazarsTension {
     /// `h`. It holds for widths within a factor of five: below the least one the stress would
     /// rise after first damage, above the greatest the element snaps back.
     FractureEnergy {
+        /// Energy per area of crack, `G` (N/m).
+        energy: f64,
+    },
+    /// `d = 1 - (e0 / e) exp(-B (e - e0))`: the stress itself falls exponentially, and `B` comes from
+    /// `G / h = E e0^2 / 2 + E e0 / B`. It holds for all widths that do not snap back.
+    FallingStress {
         /// Energy per area of crack, `G` (N/m).
         energy: f64,
     },
@@ -97,7 +105,7 @@ impl Mazars {
         ParameterError::check("compression_rate", p.compression_rate, least, 1.0e12)?;
         ParameterError::check("residual_stiffness", p.residual_stiffness, 1.0e-6, 1.0)?;
         match p.tension {
-            MazarsTension::FractureEnergy { energy } => {
+            MazarsTension::FractureEnergy { energy } | MazarsTension::FallingStress { energy } => {
                 ParameterError::check("energy", energy, least, 1.0e12)?;
             }
             MazarsTension::Rates { share, rate } => {
@@ -123,12 +131,15 @@ impl Mazars {
 
     /// The widths of elements (m) for which softening by energy holds; none for given rates.
     pub fn permitted_sizes(&self) -> Option<[f64; 2]> {
-        let MazarsTension::FractureEnergy { energy } = self.parameters.tension else {
-            return None;
-        };
         let at_peak = self.parameters.medium.young * self.parameters.threshold.powi(2);
-        // 1 / B = e0 and 1 / B = 0.
-        Some([energy / (2.5 * at_peak), energy / (0.5 * at_peak)])
+        match self.parameters.tension {
+            // 1 / B = e0 and 1 / B = 0.
+            MazarsTension::FractureEnergy { energy } => {
+                Some([energy / (2.5 * at_peak), energy / (0.5 * at_peak)])
+            }
+            MazarsTension::FallingStress { energy } => Some([0.0, energy / (0.5 * at_peak)]),
+            MazarsTension::Rates { .. } => None,
+        }
     }
 
     /// Refuses an element whose width normal to a crack (m) is too small or too large.
@@ -166,6 +177,12 @@ impl Mazars {
             MazarsTension::FractureEnergy { energy } => {
                 let length = energy / self.parameters.medium.young;
                 inverse_rate_in_total_strain(size, length, self.parameters.threshold)
+            }
+            MazarsTension::FallingStress { energy } => {
+                let at_peak = self.parameters.medium.young * self.parameters.threshold;
+                let half = size.constant(0.5 * self.parameters.threshold);
+                let inverse = size.constant(energy / at_peak) / size - half;
+                inverse.max(size.constant(STEEPEST))
             }
             MazarsTension::Rates { rate, .. } => size.constant(1.0 / rate),
         }
@@ -240,12 +257,14 @@ impl ConstitutiveLaw for Mazars {
         let reached = old[EQUIVALENT].max(equivalent);
         let threshold = p.threshold;
         let most = 1.0 - p.residual_stiffness;
-        let share = match p.tension {
-            MazarsTension::FractureEnergy { .. } => 1.0,
-            MazarsTension::Rates { share, .. } => share,
-        };
         let rate = one / self.inverse_rate(input.size);
-        let torn = damage_of(reached, threshold, share, rate, most);
+        let torn = match p.tension {
+            MazarsTension::FractureEnergy { .. } => damage_of(reached, threshold, 1.0, rate, most),
+            MazarsTension::FallingStress { .. } => {
+                damage_of_falling_stress(reached, threshold, rate, most)
+            }
+            MazarsTension::Rates { share, .. } => damage_of(reached, threshold, share, rate, most),
+        };
         let rate = number(p.compression_rate);
         let broken = damage_of(reached, threshold, p.compression_share, rate, most);
         let damage = weight * torn + (one - weight) * broken;

@@ -6,7 +6,7 @@ use crate::MaterialError;
 use crate::exponential::decay;
 
 /// The least inverse of a softening rate: what an element of a size that is not permitted gets.
-const STEEPEST: f64 = 1.0e-12;
+pub(crate) const STEEPEST: f64 = 1.0e-12;
 
 /// How damage of one kind, tensile or compressive, grows with its equivalent plastic strain `e`.
 ///
@@ -153,6 +153,22 @@ pub(crate) fn damage_of<L: Lane>(strain: L, threshold: f64, share: f64, rate: L,
     let softened = number(share) * decay(rate * (strain - first).max(zero));
     let damage = number(1.0) - kept - softened;
     damage.max(zero).min(number(most)).select(beyond, zero)
+}
+
+/// `1 - (e0 / e) exp(-B (e - e0))` beyond the threshold, at most `most`.
+#[inline(always)]
+pub(crate) fn damage_of_falling_stress<L: Lane>(
+    strain: L,
+    threshold: f64,
+    rate: L,
+    most: f64,
+) -> L {
+    let number = |value: f64| strain.constant(value);
+    let (zero, first) = (number(0.0), number(threshold));
+    let beyond = first.less(strain);
+    let divisor = strain.select(beyond, number(1.0));
+    let kept = first / divisor * decay(rate * (strain - first).max(zero));
+    (number(1.0) - kept).min(number(most)).select(beyond, zero)
 }
 
 /// `1 / B` of `G / (h E) = e0^2 / 2 + e0 / B + 1 / B^2`, with `length = G / E` (m).

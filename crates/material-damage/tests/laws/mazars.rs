@@ -134,6 +134,43 @@ fn cracks_take_the_fracture_energy_or_are_refused() {
     );
 }
 
+/// Where the stress itself falls exponentially, it is `E e0 exp(-B (e - e0))`, and the work that
+/// opens a crack is the fracture energy for elements of any width that does not snap back.
+#[test]
+fn falling_stress_takes_the_fracture_energy_at_any_width() {
+    let energy = 100.0;
+    let law = Mazars::new(typical(MazarsTension::FallingStress { energy })).unwrap();
+    let [least, largest] = law.permitted_sizes().unwrap();
+    assert!(least == 0.0 && (largest * 150.0 / energy - 1.0).abs() < 1e-12);
+    for size in [0.01, 0.05, 0.3] {
+        law.check_size(size).unwrap();
+        let rate = 1.0 / (energy / (size * 3.0e6) - 0.5e-4);
+        let mut point = PointDriver::new(law).with_size(size).unwrap();
+        let end = 1.0e-4 + 14.0 / rate;
+        let path = point.advance(Control::uniaxial(end), 6000).unwrap();
+        for record in path.iter().step_by(50) {
+            let strain = record.strain.0[2];
+            let fallen = 3.0e6 * (-rate * (strain - 1.0e-4)).exp();
+            let expected = (30.0e9 * strain).min(fallen);
+            let error = (record.stress.0[2] - expected).abs();
+            // A millionth of the stiffness is never lost.
+            assert!(
+                error < 1e-10 * 3.0e6 + 1e-6 * 30.0e9 * strain,
+                "{strain}: {error:e}"
+            );
+        }
+        let taken = path[5999].work * size / energy;
+        // The stiffness that is never lost takes work too.
+        let kept = 0.5e-6 * 30.0e9 * end * end * size / energy;
+        assert!((taken - 1.0).abs() < 1e-3 + kept, "{size}: {taken}");
+    }
+    let size = 1.01 * largest;
+    assert_eq!(
+        law.check_size(size),
+        Err(MaterialError::SnapBack { size, largest })
+    );
+}
+
 /// An initial stress damages as the strain that would make it.
 #[test]
 fn initial_stress_counts_as_strain() {
