@@ -67,10 +67,25 @@ pub(crate) struct Level {
 const FAR: u32 = u32::MAX;
 
 /// Values along one height.
-struct Table {
+struct Table<T> {
     start: f64,
     per_step: f64,
-    intervals: Vec<Quintic<Complex>>,
+    intervals: Vec<Quintic<T>>,
+}
+
+/// Values of the analytic signal along one height.
+type HeightTable = Table<Complex>;
+
+impl<T> Table<T> {
+    /// The interval of a time (s), and the place in it from 0 to 1; none beyond the table.
+    #[inline(always)]
+    fn interval(&self, time: f64) -> Option<(&Quintic<T>, f64)> {
+        let place = (time - self.start) * self.per_step;
+        // Beyond the range of the integer stands its end, where no table reaches.
+        let index = place as i32;
+        let interval = self.intervals.get(usize::try_from(index).ok()?)?;
+        (place >= 0.0).then_some((interval, place - f64::from(index)))
+    }
 }
 
 /// The analytic signal `A(t + i h)` of a signal f, tabulated over time and height on demand.
@@ -93,7 +108,7 @@ pub(crate) struct AnalyticTables {
     sampled: SampledSpectra,
     taper: Option<StartTaper>,
     /// By coarsening and row; a table is made when a point first needs it.
-    made: Mutex<BTreeMap<(u32, u64), Arc<Table>>>,
+    made: Mutex<BTreeMap<(u32, u64), Arc<HeightTable>>>,
 }
 
 impl AnalyticTables {
@@ -147,7 +162,7 @@ impl AnalyticTables {
     }
 
     /// The table of one band, made at the first demand.
-    fn shared(&self, coarsening: u32, row: u64) -> Arc<Table> {
+    fn shared(&self, coarsening: u32, row: u64) -> Arc<HeightTable> {
         // A panic of another thread leaves whole tables behind.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let make = || Arc::new(self.table(coarsening, row as f64 * self.step(coarsening)));
@@ -155,7 +170,7 @@ impl AnalyticTables {
     }
 
     /// Samples along one height, `2^coarsening` steps apart, joined by quintics.
-    fn table(&self, coarsening: u32, height: f64) -> Table {
+    fn table(&self, coarsening: u32, height: f64) -> HeightTable {
         let sampled = &self.sampled;
         let step = self.step(coarsening);
         let values = sampled.along(coarsening, height);
@@ -191,7 +206,7 @@ impl AnalyticTables {
 
 /// The signal on the levels of some points; see [`AnalyticTables`].
 pub(crate) struct AnalyticSignal {
-    tables: Vec<Arc<Table>>,
+    tables: Vec<Arc<HeightTable>>,
     moments: [f64; MOMENTS],
     centre: f64,
     radius: f64,
@@ -200,26 +215,41 @@ pub(crate) struct AnalyticSignal {
 
 impl AnalyticSignal {
     /// Complex displacement and velocity at a time (s) on a level.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn value(&self, time: f64, level: &Level) -> (Complex, Complex) {
-        if let Some(table) = self.tables.get(level.table as usize) {
-            let place = (time - table.start) * table.per_step;
-            if place >= 0.0 && place < table.intervals.len() as f64 {
-                let index = place as usize;
-                let local = place - index as f64;
-                let interval = &table.intervals[index];
-                let (displacement, velocity) = if level.offset == 0.0 {
-                    interval.real_value(local)
-                } else {
-                    interval.value(Complex::new(local, level.offset))
-                };
-                return (displacement, velocity * table.per_step);
-            }
+        let table = self.tables.get(level.table as usize);
+        if let Some((table, (interval, local))) =
+            table.and_then(|table| Some((table, table.interval(time)?)))
+        {
+            let (displacement, velocity) = if level.offset == 0.0 {
+                interval.real_value(local)
+            } else {
+                interval.value(Complex::new(local, level.offset))
+            };
+            return (displacement, velocity * table.per_step);
         }
         self.far(Complex::new(time, level.height))
     }
 
+    /// The real part of a factor times the signal, on a level at the height of its table.
+    pub(crate) fn turned(&self, factor: Complex, level: &Level) -> TurnedSignal {
+        let table = self.tables.get(level.table as usize);
+        let real = |table: &Arc<HeightTable>| Table {
+            start: table.start,
+            per_step: table.per_step,
+            intervals: (table.intervals.iter())
+                .map(|interval| interval.map(|c| (factor * c).re))
+                .collect(),
+        };
+        TurnedSignal {
+            factor,
+            table: table.map(real),
+            height: level.height,
+        }
+    }
+
     /// `A = (i / pi) sum_n M_n / (z - centre)^(n + 1)`.
+    #[cold]
     fn far(&self, z: Complex) -> (Complex, Complex) {
         let inverse = Complex::new(self.radius, 0.0) / (z - self.centre);
         let zero = Complex::new(0.0, 0.0);
@@ -240,6 +270,30 @@ impl AnalyticSignal {
             }
             None => (displacement, velocity),
         }
+    }
+}
+
+/// The real part of a factor times an [`AnalyticSignal`] at one height. The tables are linear in what
+/// they interpolate, so this is the same to rounding, at half of the arithmetic and memory.
+pub(crate) struct TurnedSignal {
+    factor: Complex,
+    table: Option<Table<f64>>,
+    height: f64,
+}
+
+impl TurnedSignal {
+    /// Displacement and velocity at a time (s), of the signal that this one was made from.
+    #[inline(always)]
+    pub(crate) fn value(&self, time: f64, of: &AnalyticSignal) -> (f64, f64) {
+        let table = self.table.as_ref();
+        if let Some((table, (interval, local))) =
+            table.and_then(|table| Some((table, table.interval(time)?)))
+        {
+            let (displacement, velocity) = interval.value(local);
+            return (displacement, velocity * table.per_step);
+        }
+        let (displacement, velocity) = of.far(Complex::new(time, self.height));
+        ((self.factor * displacement).re, (self.factor * velocity).re)
     }
 }
 

@@ -3,7 +3,7 @@
 use powerhouse_model::{FieldMotion, FieldSampler, Vec3};
 
 use crate::Complex;
-use crate::analytic::{AnalyticSignal, AnalyticTables, Level};
+use crate::analytic::{AnalyticSignal, AnalyticTables, Level, TurnedSignal};
 use crate::partial::{PartialWave, Vectors};
 
 /// Points of which all waves are evaluated before any motion is written.
@@ -12,7 +12,7 @@ const BATCH: usize = 32;
 /// A wave that travels: the signal under one phase shift.
 struct TravellingWave {
     vectors: Vectors,
-    phase: Complex,
+    signal: TurnedSignal,
     /// One per point (s).
     delays: Vec<f64>,
 }
@@ -27,11 +27,10 @@ struct DecayingWave {
 
 /// Per point and wave: one delay, one look-up in the table of the point's height.
 ///
-/// All waves read the same tables, the incident one too: at the surface they then cancel to
-/// rounding, whatever the tables' own error.
+/// All waves read tables of the same coefficients, the incident one too: at the surface they then
+/// cancel to rounding, whatever the tables' own error.
 pub(crate) struct AnalyticSampler {
     signal: AnalyticSignal,
-    surface: Level,
     travelling: Vec<TravellingWave>,
     decaying: Option<DecayingWave>,
     points: usize,
@@ -54,14 +53,14 @@ impl AnalyticSampler {
             let (phase, vectors) = wave.phase_and_vectors();
             TravellingWave {
                 vectors,
-                phase,
+                signal: signal.turned(phase, &levels[0]),
                 delays: delays(wave).iter().map(|delay| delay.re).collect(),
             }
         });
+        let travelling = travelling.collect();
         Self {
             signal,
-            surface: levels[0],
-            travelling: travelling.collect(),
+            travelling,
             decaying: decaying.map(|wave| DecayingWave {
                 polarisation: wave.polarisation,
                 stress: wave.stress,
@@ -71,44 +70,52 @@ impl AnalyticSampler {
         }
     }
 
-    fn add_travelling(&self, wave: &TravellingWave, time: f64, motion: &mut [FieldMotion]) {
-        let mut signals = [(0.0, 0.0); BATCH];
-        let batches = motion.chunks_mut(BATCH).zip(wave.delays.chunks(BATCH));
-        let vectors = wave.vectors;
-        for (motion, delays) in batches {
-            for (signal, delay) in signals.iter_mut().zip(delays) {
-                let (d, v) = self.signal.value(time - delay, &self.surface);
-                *signal = (
-                    wave.phase.re * d.re - wave.phase.im * d.im,
-                    wave.phase.re * v.re - wave.phase.im * v.im,
-                );
+    /// Adds the `N` travelling waves and the decaying one: signals of all waves first, then one pass
+    /// over the motion.
+    #[inline(always)]
+    fn add_waves<const N: usize>(&self, time: f64, motion: &mut [FieldMotion]) {
+        let mut travelling = [[(0.0, 0.0); BATCH]; N];
+        let zero = Complex::new(0.0, 0.0);
+        let mut decaying = [(zero, zero); BATCH];
+        let vectors: [Vectors; N] = core::array::from_fn(|i| self.travelling[i].vectors);
+        for (batch, motion) in motion.chunks_mut(BATCH).enumerate() {
+            let range = batch * BATCH..batch * BATCH + motion.len();
+            for (wave, signals) in self.travelling.iter().zip(&mut travelling) {
+                for (signal, delay) in signals.iter_mut().zip(&wave.delays[range.clone()]) {
+                    *signal = wave.signal.value(time - delay, &self.signal);
+                }
             }
-            for (motion, signal) in motion.iter_mut().zip(&signals) {
-                vectors.add(*signal, motion);
+            if let Some(wave) = &self.decaying {
+                for (signal, (delay, level)) in decaying.iter_mut().zip(&wave.arrivals[range]) {
+                    *signal = self.signal.value(time - delay, level);
+                }
+            }
+            for (k, motion) in motion.iter_mut().enumerate() {
+                let mut sum = *motion;
+                for (vectors, signals) in vectors.iter().zip(&travelling) {
+                    vectors.add(signals[k], &mut sum);
+                }
+                if let Some(wave) = &self.decaying {
+                    wave.add(decaying[k], &mut sum);
+                }
+                *motion = sum;
             }
         }
     }
+}
 
-    fn add_decaying(&self, wave: &DecayingWave, time: f64, motion: &mut [FieldMotion]) {
-        let zero = Complex::new(0.0, 0.0);
-        let mut signals = [(zero, zero); BATCH];
-        let batches = motion.chunks_mut(BATCH).zip(wave.arrivals.chunks(BATCH));
-        let (polarisation, stress) = (wave.polarisation, wave.stress);
-        for (motion, arrivals) in batches {
-            for (signal, (delay, level)) in signals.iter_mut().zip(arrivals) {
-                *signal = self.signal.value(time - delay, level);
-            }
-            for (motion, (d, v)) in motion.iter_mut().zip(&signals) {
-                for i in 0..3 {
-                    let p = polarisation[i];
-                    motion.displacement[i] += p.re * d.re - p.im * d.im;
-                    motion.velocity[i] += p.re * v.re - p.im * v.im;
-                }
-                for i in 0..6 {
-                    let s = stress[i];
-                    motion.stress.0[i] += s.re * v.re - s.im * v.im;
-                }
-            }
+impl DecayingWave {
+    /// Adds the wave under a displacement and velocity of its signal.
+    #[inline(always)]
+    fn add(&self, (d, v): (Complex, Complex), motion: &mut FieldMotion) {
+        for i in 0..3 {
+            let p = self.polarisation[i];
+            motion.displacement[i] += p.re * d.re - p.im * d.im;
+            motion.velocity[i] += p.re * v.re - p.im * v.im;
+        }
+        for i in 0..6 {
+            let s = self.stress[i];
+            motion.stress.0[i] += s.re * v.re - s.im * v.im;
         }
     }
 }
@@ -120,11 +127,11 @@ impl FieldSampler for AnalyticSampler {
 
     fn add_motion(&self, time: f64, motion: &mut [FieldMotion]) {
         let motion = &mut motion[..self.points];
-        for wave in &self.travelling {
-            self.add_travelling(wave, time, motion);
-        }
-        if let Some(wave) = &self.decaying {
-            self.add_decaying(wave, time, motion);
+        match self.travelling.len() {
+            0 => self.add_waves::<0>(time, motion),
+            1 => self.add_waves::<1>(time, motion),
+            2 => self.add_waves::<2>(time, motion),
+            _ => self.add_waves::<3>(time, motion),
         }
     }
 }

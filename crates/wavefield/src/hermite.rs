@@ -29,6 +29,11 @@ where
         ])
     }
 
+    /// A linear function of every coefficient, hence of the whole quintic.
+    pub(crate) fn map<U>(&self, of: impl Fn(T) -> U) -> Quintic<U> {
+        Quintic(self.0.map(of))
+    }
+
     /// Displacement and velocity times the step's length.
     #[inline(always)]
     pub(crate) fn value(&self, s: T) -> (T, T) {
