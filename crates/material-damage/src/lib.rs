@@ -16,6 +16,13 @@
 //! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) |
 //! | [`FlatDamping`] of any of them | [`RelaxationSpectrum`], [`ReferenceFrequency`] | 6 more per mechanism | damping within a band of frequencies; waves get dispersive, the stable step 10 % shorter at 5 % |
 //!
+//! What a point costs in double precision, one after the other, in nanoseconds on one core of a
+//! loaded machine (`cargo bench -p powerhouse-material-damage`), elastic and while it flows:
+//! [`LinearElastic`] 9; [`MohrCoulomb`] 48, 410; [`DruckerPrager`] 38, 370; [`TwoSurface`] 52, 450;
+//! [`HoekBrown`] 54, 5500; [`PlasticDamage`] of Mohr-Coulomb 46, 610; [`LeeFenves`] 54, 1400;
+//! [`Mazars`] 42, 670. Packs of points share the cost, except that one flowing point makes its pack
+//! flow.
+//!
 //! [`presets`] hold published materials, [`MohrCoulomb::findings`] tells what does not fit together
 //! in them, [`PointDriver`] leads one point along paths of strain and stress.
 //!
@@ -40,6 +47,9 @@
 //! *Surfaces return the loss of stress beside the stress*, computed from the excess: as a
 //! difference of large stresses it would be rounded at every step, and single precision would
 //! wander by hundreds of pascals in a long run.
+//! *What no closed form solves is solved for one unknown within a bracket* ([`LeeFenves`],
+//! [`HoekBrown`]): the deviator, or the flow on a face, keeps its direction, so all else is a
+//! function of the amount of flow. There is no starting point from which it diverges.
 //! *One rule picks among faces, edges and corners*: all candidates are computed, the one that
 //! violates the conditions least is taken. There is no order of cases to get wrong, and packs of
 //! points need no branches.
