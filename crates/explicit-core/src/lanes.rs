@@ -2,7 +2,9 @@
 //!
 //! [`Lanes`] holds the instruction set, picked at run time, and runs a [`BatchOperation`] with the lane
 //! that belongs to it. Everything below must be `#[inline(always)]`: a function that is called
-//! instead of inlined is compiled for the oldest processor and costs fifty times as much.
+//! instead of inlined is compiled for the oldest processor and costs fifty times as much. Functions
+//! of the standard library that take a closure, such as `array::map`, are not: write loops. One
+//! `map` over three vectors of lanes took a step of equal bricks from 26 to 76 ns per element.
 
 use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};

@@ -3,6 +3,7 @@
 use core::ops::{Add, Mul, Sub};
 
 use powerhouse_model::{NodalScalar, NodalView, NodalViewMut, Quad, Vec3};
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 use crate::gather::{CHUNK, Gather, SlotTable};
@@ -76,19 +77,26 @@ pub(crate) use with_nodes;
 /// The new velocity of a plain node.
 #[inline(always)]
 fn kicked<S: Storage>(velocity: &[S; 4], force: &[S; 4], gain: S, decay: Option<S>) -> [S; 4] {
-    core::array::from_fn(|c| match decay {
-        None => velocity[c] + gain * force[c],
-        Some(decay) => decay * velocity[c] + gain * force[c],
-    })
+    let mut new = *velocity;
+    for c in 0..4 {
+        let kept = match decay {
+            None => velocity[c],
+            Some(decay) => decay * velocity[c],
+        };
+        new[c] = kept + gain * force[c];
+    }
+    new
 }
 
 /// The force on a plain node: applied minus internal.
 #[inline(always)]
 fn total<S: Storage>(internal: &[S; 4], external: Option<&[S; 4]>) -> [S; 4] {
-    match external {
-        None => core::array::from_fn(|c| S::default() - internal[c]),
-        Some(external) => core::array::from_fn(|c| external[c] - internal[c]),
+    let applied = external.copied().unwrap_or_default();
+    let mut force = applied;
+    for c in 0..4 {
+        force[c] = applied[c] - internal[c];
     }
+    force
 }
 
 impl<S: Storage> NodalArrays<S> {
@@ -143,10 +151,12 @@ impl<S: Storage> NodalArrays<S> {
             .zip(displacement.par_chunks_mut(CHUNK))
             .enumerate()
             .map(|(chunk, (velocity, displacement))| {
-                processor.dispatch(
-                    #[inline(always)]
-                    || pass.advance::<DRIFT>(chunk, velocity, displacement),
-                )
+                processor.dispatch(ChunkPass::<S, DRIFT> {
+                    pass: &pass,
+                    chunk,
+                    velocity,
+                    displacement,
+                })
             })
             .reduce(|| true, |a, b| a && b)
     }
@@ -237,6 +247,24 @@ struct Pass<'a, S: Storage> {
     limit: S,
 }
 
+/// The pass over one chunk. A type of its own, since a closure handed to the dispatch may end up in
+/// a function that knows nothing of the processor.
+struct ChunkPass<'a, S: Storage, const DRIFT: bool> {
+    pass: &'a Pass<'a, S>,
+    chunk: usize,
+    velocity: &'a mut [Quad<S>],
+    displacement: &'a mut [Quad<S>],
+}
+
+impl<S: Storage, const DRIFT: bool> NullaryFnOnce for ChunkPass<'_, S, DRIFT> {
+    type Output = bool;
+    #[inline(always)]
+    fn call(self) -> bool {
+        self.pass
+            .advance::<DRIFT>(self.chunk, self.velocity, self.displacement)
+    }
+}
+
 impl<S: Storage> Pass<'_, S> {
     /// Advances one chunk; whether its velocities are within the limit.
     #[inline(always)]
@@ -252,26 +280,31 @@ impl<S: Storage> Pass<'_, S> {
         for &(node, group) in self.groups.members_in(chunk) {
             velocity[node as usize - start] = Quad::from_vector(&self.groups.next[group as usize]);
         }
-        self.gather.for_chunk(chunk, self.forces, |first, sums| {
-            let range = first - start..first - start + sums.len();
-            let velocity = &mut velocity[range.clone()];
-            let displacement = &mut displacement[range];
-            let gain = &self.gain[first..first + sums.len()];
-            for i in 0..sums.len() {
-                let applied = self.external.get(first + i).map(|quad| &quad.values);
-                let force = total(&sums[i].values, applied);
-                let decay = self.decay.get(first + i).copied();
-                let new = kicked(&velocity[i].values, &force, gain[i], decay);
-                velocity[i].values = new;
-                for c in 0..4 {
-                    if DRIFT {
-                        let place = &mut displacement[i].values[c];
-                        *place = *place + self.step * new[c];
+        self.gather.for_chunk(
+            chunk,
+            self.forces,
+            #[inline(always)]
+            |first, sums| {
+                let range = first - start..first - start + sums.len();
+                let velocity = &mut velocity[range.clone()];
+                let displacement = &mut displacement[range];
+                let gain = &self.gain[first..first + sums.len()];
+                for i in 0..sums.len() {
+                    let applied = self.external.get(first + i).map(|quad| &quad.values);
+                    let force = total(&sums[i].values, applied);
+                    let decay = self.decay.get(first + i).copied();
+                    let new = kicked(&velocity[i].values, &force, gain[i], decay);
+                    velocity[i].values = new;
+                    for c in 0..4 {
+                        if DRIFT {
+                            let place = &mut displacement[i].values[c];
+                            *place = *place + self.step * new[c];
+                        }
+                        beyond[c] |= !new[c].within(self.limit);
                     }
-                    beyond[c] |= !new[c].within(self.limit);
                 }
-            }
-        });
+            },
+        );
         !beyond.contains(&true)
     }
 }

@@ -34,6 +34,8 @@ pub(super) struct Batch<'a, S, const N: usize> {
     pub(super) active: Option<&'a [bool]>,
     /// Geometry numbers.
     pub(super) geometry: &'a [S],
+    /// Geometry numbers from some batches further on.
+    ahead: &'a [S],
     /// Where elements sit.
     pub(super) arrangement: Arrangement,
 }
@@ -54,7 +56,6 @@ impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
         let geometry = if self.geometry.len() == numbers {
             self.geometry
         } else {
-            prefetch(self.geometry, (index + AHEAD) * numbers, numbers);
             &self.geometry[index * numbers..][..numbers]
         };
         Batch {
@@ -63,12 +64,30 @@ impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
             places: &self.places.as_slice()[first..][..width],
             active: self.active.map(|active| &active[first..][..count]),
             geometry,
+            ahead: self
+                .geometry
+                .get((index + AHEAD) * numbers..)
+                .unwrap_or(&[]),
             arrangement: self.arrangement,
         }
     }
 }
 
 impl<S, const N: usize> Batch<'_, S, N> {
+    /// Asks for a share of the geometry of a later batch: all at once would leave no room for the
+    /// reads of the present one.
+    #[inline(always)]
+    pub(super) fn ask_ahead(&self, share: usize, of: usize) {
+        if !self.ahead.is_empty() {
+            let count = self.geometry.len() / of;
+            prefetch(self.ahead, share * count, count);
+        }
+    }
+    /// Whether all elements of a batch of a width exist and take part.
+    #[inline(always)]
+    pub(super) fn is_whole(&self, width: usize) -> bool {
+        self.count == width && self.active.is_none()
+    }
     /// Whether element `j` of the batch exists and takes part.
     #[inline(always)]
     pub(super) fn has(&self, j: usize) -> bool {

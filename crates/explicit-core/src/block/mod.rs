@@ -15,6 +15,7 @@ mod survey;
 mod tests;
 mod transfer;
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use powerhouse_model::{
@@ -36,6 +37,12 @@ use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
 
 pub use factory::solid;
 pub(crate) use factory::{Isotropic, coordinate_rounding};
+
+thread_local! {
+    /// Where blocks of linear laws keep their nodes' values while they compute: one piece of memory
+    /// per thread, which stays in its cache from block to block.
+    static SCRATCH: Cell<Locals> = const { Cell::new(Locals::NONE) };
+}
 
 /// Elements with a kernel of `N` nodes and `P` points and a law, in the scalar `S`.
 struct Block<K, M, S, const N: usize, const P: usize> {
@@ -64,7 +71,7 @@ struct Block<K, M, S, const N: usize, const P: usize> {
     /// Initial stresses (Pa), empty if there are none.
     initial: AlignedNumbers<S>,
     history: History<S>,
-    /// What the last forces were computed from.
+    /// What the last forces were computed from, if the law's tangent depends on it.
     locals: Locals,
     account: Account<S>,
 }
@@ -133,7 +140,11 @@ where
         out.fill(Quad::default());
         let damped = damping != 0.0;
         let moves = damped || (booked.is_some() && !M::LINEAR);
-        let mut locals = core::mem::take(&mut self.locals);
+        let mut locals = if M::LINEAR {
+            SCRATCH.take()
+        } else {
+            core::mem::take(&mut self.locals)
+        };
         let local = A::local(&mut locals);
         copy_nodes(displacement, &self.nodes, &mut local.displacement);
         if moves {
@@ -170,7 +181,11 @@ where
             (self.account, self.history) = (account, history);
             finite
         };
-        self.locals = locals;
+        if M::LINEAR {
+            SCRATCH.set(locals);
+        } else {
+            self.locals = locals;
+        }
         finite
     }
 

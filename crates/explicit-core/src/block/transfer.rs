@@ -57,8 +57,10 @@ pub(super) fn scatter<A, L, const N: usize>(
     for a in 0..N {
         L::write_rows(forces[a], &mut rows[a]);
     }
+    let whole = batch.is_whole(L::WIDTH);
     for j in 0..L::WIDTH {
-        if !batch.has(j) {
+        batch.ask_ahead(j, L::WIDTH);
+        if !whole && !batch.has(j) {
             continue;
         }
         for a in 0..N {
@@ -77,6 +79,13 @@ pub(super) struct Local<A: BatchScalar> {
     pub(super) displacement: Vec<Quad<A>>,
     /// Velocity (m/s).
     pub(super) velocity: Vec<Quad<A>>,
+}
+
+impl<A: BatchScalar> Local<A> {
+    const NONE: Self = Self {
+        displacement: Vec::new(),
+        velocity: Vec::new(),
+    };
 }
 
 /// [`Local`] values in either storage.
@@ -105,6 +114,11 @@ impl NodeScalar for f32 {
 }
 
 impl Locals {
+    /// No values.
+    pub(super) const NONE: Self = Self {
+        double: Local::NONE,
+        single: Local::NONE,
+    };
     /// The displacement that was last used at a place (m), zero if none was.
     pub(super) fn displacement(&self, place: usize) -> Vec3 {
         match (

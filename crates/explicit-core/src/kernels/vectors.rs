@@ -108,7 +108,11 @@ pub(super) fn uniform_forces<L: Lane>(
     for i in 0..3 {
         stress[i] = scaled(stress[i], volume);
     }
-    gradients.map(|gradient| product(&stress, gradient))
+    [
+        product(&stress, gradients[0]),
+        product(&stress, gradients[1]),
+        product(&stress, gradients[2]),
+    ]
 }
 
 /// The stress as a matrix.
