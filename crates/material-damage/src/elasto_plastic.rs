@@ -4,10 +4,10 @@ use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Strain, Stress,
 };
 
-use crate::ElasticInSeries;
 use crate::energy::{self, Step};
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::surface::{Flow, YieldSurface};
+use crate::{ElasticInSeries, tangent};
 
 const EQUIVALENT: usize = 6;
 const YIELD_STATE: usize = 7;
@@ -33,6 +33,9 @@ const HISTORY: [HistoryVariable; 8] = {
 /// History: the plastic strain (six components, engineering shears), the equivalent plastic
 /// strain, the sum of `sqrt(2/3 de_p : de_p)`, and the [`YieldState`](crate::YieldState) of the
 /// last step. An initial stress outside the surface flows back at the first step.
+///
+/// [`tangent`](ConstitutiveLaw::tangent) is the consistent one, the derivative of the return; at a
+/// kink it is that of one side.
 ///
 /// A strain that is not finite, or whose stress is beyond the range of numbers, gives a stress
 /// that is not finite, which the engine and the [driver](crate::PointDriver) refuse.
@@ -114,6 +117,10 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
             damage: [none; 2],
         };
         Some(step.energy())
+    }
+    fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
+        let elastic = energy::difference(&input.strain.0, input.history);
+        Some(tangent::of_flow(&self.surface, input, &elastic))
     }
 }
 

@@ -57,6 +57,7 @@
 mod consistency;
 mod driver;
 mod drucker_prager;
+mod dual;
 mod elasto_plastic;
 mod energy;
 mod error;
@@ -76,6 +77,7 @@ mod principal;
 mod root;
 mod softening;
 mod surface;
+mod tangent;
 mod two_surface;
 mod uniaxial;
 

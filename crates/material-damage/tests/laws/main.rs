@@ -17,4 +17,5 @@ mod plastic_damage;
 mod precision;
 mod principal;
 mod random;
+mod tangent;
 mod two_surface;
