@@ -77,7 +77,8 @@ pub enum ContactError {
     /// A static traction that the law does not admit.
     #[error(
         "the law does not admit the initial traction of the pair of the nodes with indices {first} \
-         and {second}: {normal:.4e} Pa across the joint (positive in tension), {shear:.4e} Pa along it"
+         and {second}: {normal:.4e} Pa across the joint (positive in tension), {shear:.4e} Pa along \
+         it; a pair with a gap has none"
     )]
     Preload {
         /// Mesh index of one node.
@@ -92,7 +93,7 @@ pub enum ContactError {
     /// An initial distance that cannot be.
     #[error(
         "the pair of the nodes with indices {first} and {second} cannot have an initial gap of {gap} \
-         m: it must not be negative, nor bonded across"
+         m: it must not be negative, nor bonded or preloaded across"
     )]
     Gap {
         /// Mesh index of one node.
@@ -101,6 +102,16 @@ pub enum ContactError {
         second: u32,
         /// The distance (m).
         gap: f64,
+    },
+    /// A pair whose bond cannot be taken.
+    #[error(
+        "the pair of the nodes with indices {first} and {second} has no bond that could be taken from it"
+    )]
+    NoBond {
+        /// Mesh index of one node.
+        first: u32,
+        /// Mesh index of the other.
+        second: u32,
     },
     /// Two joints of one name.
     #[error("two joints are named '{name}'")]
@@ -114,6 +125,19 @@ pub enum ContactError {
         /// Mesh index of the node.
         node: u32,
     },
+}
+
+impl ContactError {
+    /// The mesh indices of the pair that it concerns, if it concerns one.
+    pub fn pair(&self) -> Option<[u32; 2]> {
+        match *self {
+            Self::Pair { first, second, .. }
+            | Self::Preload { first, second, .. }
+            | Self::Gap { first, second, .. }
+            | Self::NoBond { first, second } => Some([first, second]),
+            _ => None,
+        }
+    }
 }
 
 impl From<ContactError> for ModelError {

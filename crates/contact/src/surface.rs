@@ -144,6 +144,19 @@ impl JointSurface {
         Ok(surface)
     }
 
+    /// The shortest edge of its facets (m).
+    ///
+    /// # Panics
+    /// If it is of another mesh.
+    pub fn shortest_edge(&self, mesh: &Mesh) -> f64 {
+        let at = |node: u32| mesh.positions()[node as usize];
+        let edges = self.facets.iter().flat_map(|facet| {
+            let next = facet.nodes.iter().cycle().skip(1);
+            (facet.nodes.iter().zip(next)).map(|(&a, &b)| (at(b) - at(a)).norm())
+        });
+        edges.fold(f64::INFINITY, f64::min)
+    }
+
     /// The area of all pairs (m2).
     pub fn area(&self) -> f64 {
         self.pairs.iter().map(|pair| pair.area).sum()

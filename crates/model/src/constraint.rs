@@ -1,6 +1,6 @@
 //! Conditions that correct a predicted motion.
 
-use crate::{JointRecord, JointView, Mat3, RunError, Vec3};
+use crate::{JointHistory, JointView, Mat3, RunError, Vec3};
 
 /// The motion that the integrator predicts without the constraint, at the constraint's own nodes.
 ///
@@ -92,9 +92,9 @@ pub trait Constraint: Send {
     fn joints(&self) -> Vec<JointView<'_>> {
         Vec::new()
     }
-    /// Puts the pairs of a joint of this name into the state of an earlier run, in the order of
-    /// its view; says whether it has such a joint with so many pairs.
-    fn restore(&mut self, _name: &str, _records: &[JointRecord]) -> bool {
+    /// Puts the pairs of a joint into the state of an earlier run, whatever the order of its pairs
+    /// then; says whether it has a joint of that name with these pairs.
+    fn restore(&mut self, _history: &JointHistory) -> bool {
         false
     }
 }

@@ -87,6 +87,21 @@ impl<L: ContactLaw + ?Sized> ContactLaw for Box<L> {
     }
 }
 
+impl<L: ContactLaw + ?Sized> ContactLaw for &L {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn initial(&self) -> JointState {
+        (**self).initial()
+    }
+    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
+        (**self).admissible(trial, state)
+    }
+    fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
+        (**self).sliding_strength(normal, state)
+    }
+}
+
 /// Two nodes that face each other across a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointPair {
@@ -145,8 +160,9 @@ pub struct JointRecord {
     pub opening: f64,
     /// The largest opening so far (m).
     pub peak_opening: f64,
-    /// Where it sticks: displacement of the second side along the tangents (m).
-    pub anchor: [f64; 2],
+    /// Where it sticks: displacement of the second side along the tangents (m); none before its
+    /// first step.
+    pub anchor: Option<[f64; 2]>,
     /// When it first slid (s).
     pub first_slip: Option<f64>,
     /// When it first opened (s).
@@ -160,7 +176,7 @@ pub struct JointRecord {
 }
 
 /// A joint as others see it; pair by pair in the same order.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointView<'a> {
     /// The joint's name.
     pub name: &'a str,
@@ -172,7 +188,7 @@ pub struct JointView<'a> {
     pub records: &'a [JointRecord],
     /// The most sweeps that connected pairs took in a step so far; zero where one pass did.
     pub most_sweeps: u32,
-    /// The largest relative change of an impulse that such a solution left.
+    /// The largest relative change of motion that such a solution left.
     pub worst_residual: f64,
 }
 
@@ -181,8 +197,21 @@ pub struct JointView<'a> {
 pub struct JointHistory {
     /// The joint's name.
     pub name: String,
+    /// Mesh indices of the nodes of its pairs, as in [`JointPair`]. Pairs of the same nodes, of the
+    /// patches at an edge, stand in the order of the joint.
+    pub nodes: Vec<[u32; 2]>,
     /// What has become of its pairs.
     pub records: Vec<JointRecord>,
+}
+
+impl From<&JointView<'_>> for JointHistory {
+    fn from(joint: &JointView) -> Self {
+        Self {
+            name: joint.name.into(),
+            nodes: joint.pairs.iter().map(|pair| pair.nodes).collect(),
+            records: joint.records.to_vec(),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use powerhouse_contact::ContactError;
 use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
 use thiserror::Error;
 
@@ -90,6 +91,37 @@ pub enum Error {
         set: String,
         /// The kernel.
         kernel: String,
+    },
+    /// A joint that cannot start as it is to.
+    #[error("joint '{joint}', nodes {first} and {second}: {source}")]
+    Joint {
+        /// Its name.
+        joint: String,
+        /// The user's number of the first node of the pair.
+        first: u64,
+        /// The user's number of the second one.
+        second: u64,
+        /// What its pair cannot have.
+        source: ContactError,
+    },
+    /// A joint that does not exist.
+    #[error("there is no joint '{name}'")]
+    NoSuchJoint {
+        /// The name.
+        name: String,
+    },
+    /// A zone without a pair of its joint.
+    #[error(
+        "joint '{joint}' has no pair in {zone}{}",
+        distance.map_or(String::new(), |d| format!(": the nearest is {d:.4e} m away"))
+    )]
+    EmptyZone {
+        /// The joint's name.
+        joint: String,
+        /// The zone.
+        zone: String,
+        /// The distance of the nearest pair from its point (m), if it has one.
+        distance: Option<f64>,
     },
     /// A start from the field's motion, and no field.
     #[error("the run is to start from the field's motion, but the scene has no field")]

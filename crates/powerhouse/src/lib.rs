@@ -40,6 +40,7 @@ mod builtin_joints;
 mod error;
 mod fault;
 pub mod format;
+mod joint;
 mod output;
 mod part;
 mod registry;
@@ -58,9 +59,10 @@ pub use powerhouse_wavefield as wavefield;
 
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
+pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use output::{
-    CutWish, EnergyResidual, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, ResultFolder,
-    Results, SnapshotWish, StressWish,
+    CutWish, EnergyResidual, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish,
+    ResultFolder, Results, SnapshotWish, StressWish,
 };
 pub use part::{Kernel, Material, Part};
 pub use registry::Registry;

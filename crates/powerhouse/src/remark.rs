@@ -5,6 +5,8 @@ use core::fmt;
 use powerhouse_model::Vec3;
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
+use crate::Results;
+
 /// Something that a user should know of a scene.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -69,6 +71,13 @@ pub enum Remark {
         /// Its name in the scene.
         name: String,
     },
+    /// A joint moved farther than pairs that keep their nodes can follow; found after the run.
+    LargeSlip {
+        /// The joint's name.
+        joint: String,
+        /// Its largest slip or opening over the shortest edge of its facets.
+        share: f64,
+    },
     /// A damped part touches an absorbing face, behind which the free field is elastic.
     DampedRim {
         /// The part's set.
@@ -81,6 +90,7 @@ impl Remark {
     pub fn is_warning(&self) -> bool {
         match self {
             Self::DampedRim { .. }
+            | Self::LargeSlip { .. }
             | Self::UnusedRecord { .. }
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
@@ -181,6 +191,11 @@ impl fmt::Display for Remark {
                     "record '{name}' drives neither a wave nor a prescribed motion"
                 )
             }
+            Self::LargeSlip { joint, share } => write!(
+                f,
+                "joint '{joint}' moved by {share:.2} of its facets' edges; its pairs keep their nodes, which holds up to about {:.2}",
+                Results::SMALL_SLIP
+            ),
             Self::DampedRim { set } => write!(
                 f,
                 "part '{set}' is damped and touches an absorbing face: the free field is elastic, so its waves are reflected there in part; leave an undamped rim"

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{Snapshot, SnapshotSink, Snapshots};
 use powerhouse_explicit_core::{
     EnergyCheck, Model, Progress, RunFailure, RunOptions, StableStep, StepChoice, run,
@@ -93,6 +94,10 @@ impl Simulation {
     /// What is recorded.
     pub fn output_plan(&self) -> &OutputPlan {
         &self.plan
+    }
+    /// The sides of the joints, by name.
+    pub fn joint_surfaces(&self) -> &[(String, JointSurface)] {
+        self.observed.0.joint_surfaces()
     }
     /// What was found while the scene was composed.
     pub fn remarks(&self) -> &[Remark] {

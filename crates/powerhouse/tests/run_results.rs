@@ -185,7 +185,11 @@ fn old_results_do_not_mix_with_new_ones() {
         results_of.create().unwrap();
         results_of.clear().unwrap();
         let hooks = RunHooks {
-            snapshots: Some(results_of.snapshots(&mesh).unwrap()),
+            snapshots: Some(
+                results_of
+                    .snapshots(&mesh, simulation.joint_surfaces())
+                    .unwrap(),
+            ),
             ..RunHooks::default()
         };
         let results = simulation.run(hooks).unwrap();

@@ -361,6 +361,209 @@ fn nothing_is_taken_and_ignored() {
     assert!(told.to_string().contains("no field"), "{told}");
 }
 
+/// How a joint starts is checked against its law and its pairs, each fault at its key.
+#[test]
+fn starts_of_joints_have_their_place() {
+    let joint = "[[joint]]\nname = \"bond\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"bonded-coulomb\"\ncohesion = 1e6\ntensile_strength = 5e5\nstatic_friction = 0.8\n[time]";
+    let bonded = SOUND.replace("[time]", joint);
+    assert_eq!(read(&bonded).unwrap().joints().count(), 1);
+    let rubbing = bonded.replace("cohesion = 1e6\ntensile_strength = 5e5\n", "");
+    for (sound, keys, message) in [
+        // Preloads: the kinds, their keys, what the law does not admit, NaN.
+        (
+            &bonded,
+            "preload = §3e5",
+            "expected a table with the key 'kind'",
+        ),
+        (
+            &bonded,
+            "preload = { kind = §\"weight\" }",
+            "'weight' is not permitted here",
+        ),
+        (
+            &bonded,
+            "preload = { kind = \"pressure\", §depth = 3 }",
+            "unknown key 'depth'",
+        ),
+        (
+            &bonded,
+            "preload = { kind = \"pressure\", pressure = §nan }",
+            "expected a finite number",
+        ),
+        (
+            &bonded,
+            "preload = { kind = \"traction\", traction = §[0, 1e5] }",
+            "expected a list of length 3",
+        ),
+        (
+            &bonded,
+            "preload = { kind = \"ground\", level = 0, density = §0, lateral = 0.5 }",
+            "expected a number above 0",
+        ),
+        (
+            &bonded,
+            "preload = { kind = \"ground\", level = 0, density = 2700, lateral = §-1 }",
+            "expected a number of 0 or above",
+        ),
+        (
+            &bonded,
+            "preload = §{ kind = \"pressure\", pressure = -6e5 }",
+            "6.0000e5 Pa across the joint",
+        ),
+        (
+            &rubbing,
+            "preload = §{ kind = \"stress\", stress = [-1e6, -1e6, -2e7, 0, 0, 0] }",
+            "does not admit the initial traction",
+        ),
+        (
+            &rubbing,
+            "gap = 0.01\npreload = §{ kind = \"pressure\", pressure = 1e5 }",
+            "a pair with a gap has none",
+        ),
+        // Gaps: no negative ones, none of a bond.
+        (
+            &rubbing,
+            "gap = §-0.01",
+            "expected \"meshed\" or a number of 0 or above",
+        ),
+        (
+            &rubbing,
+            "gap = §\"wide\"",
+            "expected \"meshed\" or a number of 0 or above",
+        ),
+        (
+            &bonded,
+            "gap = 0.01\nunbonded = [§{ set = \"rock\" }]",
+            "has no bond",
+        ),
+        // Zones: exactly one key, names that exist, at least one pair with a bond.
+        (&bonded, "unbonded = §3", "expected a list"),
+        (
+            &bonded,
+            "unbonded = [§{}]",
+            "exactly one of at, node, set, low",
+        ),
+        (
+            &bonded,
+            "unbonded = [§{ set = \"rock\", node = 3 }]",
+            "exactly one of at, node, set, low",
+        ),
+        (
+            &bonded,
+            "unbonded = [§{ low = [0, 0, 0] }]",
+            "the key 'high' is missing",
+        ),
+        (
+            &bonded,
+            "unbonded = [{ set = \"rock\", within = §1 }]",
+            "the key 'at' is missing",
+        ),
+        (
+            &bonded,
+            "unbonded = [{ set = §\"rok\" }]",
+            "no node, facet or element set 'rok'",
+        ),
+        (
+            &bonded,
+            "unbonded = [{ node = §1000000 }]",
+            "no node '1000000'",
+        ),
+        (
+            &bonded,
+            "unbonded = [{ set = \"lining\" }, §{ set = \"top\" }]",
+            "joint 'bond' has no pair in set 'top'",
+        ),
+        (
+            &bonded,
+            "unbonded = [§{ at = [0, 0, -60] }]",
+            "the nearest is 1.5",
+        ),
+        (
+            &bonded,
+            "unbonded = [§{ low = [1, 1, 1], high = [2, 2, 2] }]",
+            "no pair in the box from (1, 1, 1) m to (2, 2, 2) m",
+        ),
+        (
+            &rubbing,
+            "unbonded = [§{ set = \"lining\" }]",
+            "has no bond",
+        ),
+    ] {
+        let told = fault_of(sound, "law = \"bonded", &format!("{keys}\nlaw = \"bonded"));
+        let told = told.to_string();
+        assert!(told.contains(message), "{keys}: {told}");
+    }
+    let tied = bonded.replace(
+        "bonded-coulomb\"\ncohesion = 1e6\ntensile_strength = 5e5\nstatic_friction = 0.8",
+        "tied\"",
+    );
+    for keys in ["gap = §0.01", "unbonded = [§{ set = \"lining\" }]"] {
+        let told = fault_of(&tied, "law = \"tied", &format!("{keys}\nlaw = \"tied"));
+        assert!(told.to_string().contains("joint 'bond', nodes "), "{told}");
+    }
+}
+
+/// Histories of joints name a joint, pairs of it and quantities, each fault at its key.
+#[test]
+fn histories_of_joints_have_their_place() {
+    let joint =
+        "[[joint]]\nname = \"bond\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"tied\"\n[time]";
+    let sound = SOUND.replace("[time]", joint);
+    let sound = format!("{sound}[[output.joint]]\nname = \"j\"\njoint = \"bond\"\n");
+    assert_eq!(read(&sound).unwrap().output_plan().joints.len(), 1);
+    for (old, new, message) in [
+        (
+            "joint = \"bond\"",
+            "joint = §\"bold\"",
+            "there is no joint 'bold'",
+        ),
+        (
+            "[[output.joint]]\nname = \"j\"\njoint = \"bond\"",
+            "§[[output.joint]]\nname = \"j\"",
+            "the key 'joint' is missing",
+        ),
+        ("\"j\"", "§\"crown\"", "the result 'crown' is defined twice"),
+        ("\"j\"", "§\"bond\"", "the result 'bond' is defined twice"),
+        (
+            "joint = \"bond\"",
+            "joint = \"bond\"\nquantities = §[]",
+            "found an empty list",
+        ),
+        (
+            "joint = \"bond\"",
+            "joint = \"bond\"\nquantities = [\"slip\", §\"stress\"]",
+            "'stress' is not permitted here",
+        ),
+        (
+            "\"j\"",
+            "§\"j\"\nnode = 3\nset = \"lining\"",
+            "exactly one of at, node, set, low",
+        ),
+        (
+            "\"j\"",
+            "§\"j\"\nset = \"top\"",
+            "joint 'bond' has no pair in set 'top'",
+        ),
+        (
+            "\"j\"",
+            "\"j\"\nset = §\"topp\"",
+            "no node, facet or element set 'topp'",
+        ),
+        ("\"j\"", "\"j\"\nnode = §1000000", "no node '1000000'"),
+        ("\"j\"", "\"j\"\nwithin = §1", "the key 'at' is missing"),
+        ("\"j\"", "§\"j\"\nat = [0, 0, -60]", "the nearest is 1.5"),
+        ("\"j\"", "\"j\"\n§depth = 1", "unknown key 'depth'"),
+    ] {
+        // The last table: what stands there stands once more above.
+        let start = sound.find("[[output.joint]]").unwrap();
+        let (head, tail) = sound.split_at(start);
+        assert!(tail.contains(old), "{old}");
+        let changed = tail.replacen(old, new, 1);
+        let told = fault_of(&format!("{head}{tail}"), tail, &changed).to_string();
+        assert!(told.contains(message), "{new}: {told}");
+    }
+}
+
 /// The free field has one medium: faces before rock and concrete are refused.
 #[test]
 fn a_field_has_one_medium() {

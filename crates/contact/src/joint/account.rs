@@ -54,8 +54,8 @@ pub(super) fn book(record: &mut JointRecord, step: &PairStep, work: &mut Constra
         record.first_slip.get_or_insert(step.time);
     } else if opens {
         record.first_crack.get_or_insert(step.time);
-    } else if old.contact != ContactState::Stick {
-        record.anchor = [step.offset.y, step.offset.z];
+    } else if old.contact != ContactState::Stick || record.anchor.is_none() {
+        record.anchor = Some([step.offset.y, step.offset.z]);
     }
     record.state = JointState { slip, ..step.state };
     record.traction = step.traction;

@@ -130,10 +130,10 @@ pub(super) fn correct<L: ContactLaw>(
 /// along its tangents.
 #[inline(always)]
 pub(super) fn held_back(offset: &Vec3, record: &JointRecord) -> Vec3 {
-    if record.state.contact == ContactState::Stick {
-        let [first, second] = record.anchor;
-        Vec3::new(offset.x, offset.y - first, offset.z - second)
-    } else {
-        Vec3::new(offset.x, 0.0, 0.0)
+    match record.anchor {
+        Some([first, second]) if record.state.contact == ContactState::Stick => {
+            Vec3::new(offset.x, offset.y - first, offset.z - second)
+        }
+        _ => Vec3::new(offset.x, 0.0, 0.0),
     }
 }

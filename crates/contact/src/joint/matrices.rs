@@ -2,6 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+/// What is left of a term that cancels, over its size.
+const ROUNDING: f64 = 1e-12;
+
 /// How the relative velocities of a group's pairs answer to impulses on them, with the pairs that
 /// are held eliminated.
 ///
@@ -43,7 +46,14 @@ impl Matrices {
         };
         let inverse = pseudo_inverse(&part(&held_rows, &held_rows));
         let carry = part(&free_rows, &held_rows) * &inverse;
-        let schur = part(&free_rows, &free_rows) - &carry * part(&held_rows, &free_rows);
+        let mut schur = part(&free_rows, &free_rows) - &carry * part(&held_rows, &free_rows);
+        for (i, &row) in free_rows.iter().enumerate() {
+            // A direction in which others hold the nodes of a free pair together.
+            if schur[(i, i)] < ROUNDING * coupling[(row, row)] {
+                schur.row_mut(i).fill(0.0);
+                schur.column_mut(i).fill(0.0);
+            }
+        }
         let firsts = || (0..free_rows.len()).step_by(3);
         let tangential = firsts().map(|i| greatest_tangential(&schur, i)).collect();
         let mixed = firsts()
@@ -123,7 +133,7 @@ fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = scaled(matrix).symmetric_eigen();
     let mut inverse = DMatrix::zeros(count, count);
     for (value, vector) in (eigen.eigenvalues.iter()).zip(eigen.eigenvectors.column_iter()) {
-        if *value > 1e-12 {
+        if *value > ROUNDING {
             inverse.ger(1.0 / value, &vector, &vector, 1.0);
         }
     }

@@ -6,9 +6,11 @@ mod isolated;
 mod matrices;
 mod solve;
 
+use std::collections::{HashMap, VecDeque};
+
 use powerhouse_model::{
-    Bond, Constraint, ConstraintWork, ContactLaw, ContactState, JointPair, JointRecord, JointState,
-    JointView, Mat3, ModelError, PredictedMotion, RunError, Vec3,
+    Bond, Constraint, ConstraintWork, ContactLaw, ContactState, JointHistory, JointPair,
+    JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion, RunError, Vec3,
 };
 
 use crate::ContactError;
@@ -24,6 +26,18 @@ struct Side {
     gap: f64,
     /// Traction in the static state that displacements are counted from (Pa), local.
     preload: Vec3,
+}
+
+/// A pair whose sides start apart.
+const APART: JointState = JointState {
+    contact: ContactState::Open,
+    bond: Bond::Never,
+    slip: 0.0,
+};
+
+/// Whether a law pulls sides together that are apart and were never bonded.
+fn pulls<L: ContactLaw>(law: &L) -> bool {
+    law.admissible(Vec3::x(), &APART).0.x > 0.0
 }
 
 /// One joint of a constraint.
@@ -88,8 +102,6 @@ pub struct Joint<L> {
     isolated: Vec<IsolatedPair>,
     groups: Vec<Group>,
     effort: Effort,
-    /// Whether it has seen a step or was restored.
-    started: bool,
     /// The step (s) that it is prepared for.
     prepared: Option<f64>,
 }
@@ -165,7 +177,6 @@ impl<L: ContactLaw> Joint<L> {
             isolated: Vec::new(),
             groups: Vec::new(),
             effort: Effort::default(),
-            started: false,
             prepared: None,
         }
     }
@@ -206,7 +217,7 @@ impl<L: ContactLaw> Joint<L> {
     /// displacements are counted, for each pair. The law sees the sum of it and what the motion adds.
     ///
     /// # Errors
-    /// [`ContactError::Preload`] for one that the law does not admit.
+    /// [`ContactError::Preload`] for one that the law does not admit, or across a gap.
     pub fn with_preload(
         mut self,
         traction: impl Fn(&JointPair) -> Vec3,
@@ -216,8 +227,9 @@ impl<L: ContactLaw> Joint<L> {
             let preload = pair.to_local(&traction(pair));
             let record = &mut self.records[index];
             let (admitted, _) = laws.of(index).admissible(preload, &record.state);
+            let across_gap = side.gap > 0.0 && preload != Vec3::zeros();
             // A NaN is refused here, too.
-            if admitted != preload {
+            if admitted != preload || across_gap {
                 let [first, second] = pair.nodes;
                 return Err(ContactError::Preload {
                     first,
@@ -237,25 +249,21 @@ impl<L: ContactLaw> Joint<L> {
     /// each pair. A pair apart has no bond.
     ///
     /// # Errors
-    /// [`ContactError::Gap`] for one that is negative or not finite, or that the law would close by
-    /// pulling.
+    /// [`ContactError::Gap`] for one that is negative or not finite, that the law would close by
+    /// pulling, or across which there is a preload.
     pub fn with_gaps(mut self, gap: impl Fn(&JointPair) -> f64) -> Result<Self, ModelError> {
         let laws = Laws(&self.sections);
         for (index, (pair, side)) in self.pairs.iter().zip(&mut self.sides).enumerate() {
             let gap = gap(pair);
-            let apart = JointState {
-                contact: ContactState::Open,
-                bond: Bond::Never,
-                slip: 0.0,
-            };
-            let pulls = || laws.of(index).admissible(Vec3::x(), &apart).0.x > 0.0;
-            if !(gap.is_finite() && gap >= 0.0) || (gap > 0.0 && pulls()) {
+            let refused =
+                |gap: f64| gap > 0.0 && (pulls(laws.of(index)) || side.preload != Vec3::zeros());
+            if !(gap.is_finite() && gap >= 0.0) || refused(gap) {
                 let [first, second] = pair.nodes;
                 return Err(ContactError::Gap { first, second, gap }.into());
             }
             side.gap = gap;
             if gap > 0.0 {
-                self.records[index].state = apart;
+                self.records[index].state = APART;
             }
         }
         Ok(self)
@@ -263,14 +271,28 @@ impl<L: ContactLaw> Joint<L> {
 
     /// Takes the bond from the pairs for which `unbonded` says so, as where a joint was cracked
     /// before.
-    #[must_use]
-    pub fn without_bond(mut self, unbonded: impl Fn(&JointPair) -> bool) -> Self {
-        for (pair, record) in self.pairs.iter().zip(&mut self.records) {
-            if unbonded(pair) {
-                record.state.bond = Bond::Never;
+    ///
+    /// # Errors
+    /// [`ContactError::NoBond`] for one without a bond, or whose law pulls whatever its bond.
+    pub fn without_bond(
+        mut self,
+        unbonded: impl Fn(&JointPair) -> bool,
+    ) -> Result<Self, ModelError> {
+        let laws = Laws(&self.sections);
+        for (index, pair) in self
+            .pairs
+            .iter()
+            .enumerate()
+            .filter(|(_, pair)| unbonded(pair))
+        {
+            let state = &mut self.records[index].state;
+            if state.bond != Bond::Intact || pulls(laws.of(index)) {
+                let [first, second] = pair.nodes;
+                return Err(ContactError::NoBond { first, second }.into());
             }
+            state.bond = Bond::Never;
         }
-        self
+        Ok(self)
     }
 
     /// The pairs.
@@ -284,16 +306,6 @@ impl<L: ContactLaw> Joint<L> {
     /// How many pairs are corrected in one pass, each by itself, once masses are known.
     pub fn isolated_count(&self) -> usize {
         self.isolated.len()
-    }
-
-    /// The pairs start where they are.
-    fn anchor(&mut self, motion: &PredictedMotion) {
-        for (index, [first, second]) in self.places.iter().enumerate() {
-            let [first, second] = [first, second].map(|&node| motion.displacement[node as usize]);
-            let offset = self.pairs[index].to_local(&(second - first));
-            self.records[index].anchor = [offset.y, offset.z];
-        }
-        self.started = true;
     }
 }
 
@@ -338,9 +350,6 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         if self.prepared != Some(motion.step) {
             self.prepare(motion.step, motion.inverse_mass);
         }
-        if !self.started {
-            self.anchor(&motion);
-        }
         let mut work = ConstraintWork::default();
         let mut start = 0;
         for section in &self.sections {
@@ -363,8 +372,8 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                 name: self.name.clone(),
                 step: motion.number,
                 reason: format!(
-                    "{} connected pairs are not solved after {} sweeps: the last one changed an \
-                     impulse by {:.1e} of the largest",
+                    "{} connected pairs are not solved after {} sweeps: the last one changed the \
+                     motion by {:.1e} of what they do to it",
                     group.pair_count(),
                     left.sweeps,
                     left.residual
@@ -393,16 +402,29 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         self.sections.iter().map(view).collect()
     }
 
-    fn restore(&mut self, name: &str, records: &[JointRecord]) -> bool {
+    fn restore(&mut self, history: &JointHistory) -> bool {
         let mut start = 0;
         for section in &self.sections {
             let range = core::mem::replace(&mut start, section.end)..section.end;
-            if section.name == name && range.len() == records.len() {
-                self.records[range].copy_from_slice(records);
-                self.started = true;
-                return true;
+            if section.name == history.name {
+                let found = in_order_of(&self.pairs[range.clone()], history);
+                return found.is_some_and(|records| {
+                    self.records[range].copy_from_slice(&records);
+                    true
+                });
             }
         }
         false
     }
+}
+
+/// The records of an earlier run in the order of these pairs; none if they are not the same pairs.
+fn in_order_of(pairs: &[JointPair], history: &JointHistory) -> Option<Vec<JointRecord>> {
+    let mut of_nodes: HashMap<[u32; 2], VecDeque<JointRecord>> = HashMap::new();
+    for (nodes, record) in history.nodes.iter().zip(&history.records) {
+        of_nodes.entry(*nodes).or_default().push_back(*record);
+    }
+    let next = |pair: &JointPair| of_nodes.get_mut(&pair.nodes)?.pop_front();
+    let found: Option<Vec<JointRecord>> = pairs.iter().map(next).collect();
+    found.filter(|found| found.len() == history.records.len())
 }

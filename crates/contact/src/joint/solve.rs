@@ -9,19 +9,28 @@ use super::matrices::Matrices;
 const MOST_SWEEPS: u32 = 20_000;
 /// Sweeps after which pairs that stick are held instead.
 const PATIENCE: u32 = 64;
-/// Change of an impulse in one sweep, over the largest impulse, at which a solution counts as found.
+/// Change of motion in one sweep, over what the impulses change it by, at which a solution counts as
+/// found; see [`Change`].
 const TOLERANCE: f64 = 1e-11;
-/// The same after [`LONG`] sweeps. Around a closed ring rounding of the gaps may let impulses that
-/// move nothing grow for ever at about the first tolerance.
-const LOOSE_TOLERANCE: f64 = 1e-8;
-/// Sweeps after which the loose tolerance will do.
-const LONG: u32 = 512;
+
+/// Sweeps after which less will do, see [`tolerance`].
+const LONG: u32 = 256;
+
+/// The tolerance after some sweeps.
+///
+/// It grows with their number: what the faces of a corner bear beside each other is not unique under
+/// friction, and where rounding has left gaps between them they may wander for ever, pressing each
+/// other along. Any motion that obeys all of them will do, and what it leaves of a gap is closed in
+/// the next step.
+fn tolerance(sweeps: u32) -> f64 {
+    TOLERANCE * (f64::from(sweeps.max(LONG)) / f64::from(LONG)).powi(3)
+}
 
 /// What it took to solve a group.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Effort {
     pub(super) sweeps: u32,
-    /// Relative change of the impulses in the last sweep.
+    /// Relative change of the motion in the last sweep.
     pub(super) residual: f64,
 }
 
@@ -146,8 +155,7 @@ pub(super) fn solve<L: ContactLaw>(
             effort.residual = sweep(matrices, contacts, &rest, &mut free, &mut effort.sweeps);
         }
         matrices.complete(excess, &free, impulses);
-        let loose = effort.sweeps >= LONG && effort.residual <= LOOSE_TOLERANCE;
-        if effort.residual > TOLERANCE && !loose {
+        if effort.residual > tolerance(effort.sweeps) {
             let sticks = |(a, contact): (usize, &mut Contact<L>)| {
                 let traction = contact.traction(&impulse_of(impulses, a));
                 let pressed = traction.x < 0.0 || contact.state.bond == Bond::Intact;
@@ -198,7 +206,38 @@ fn let_go_worst<L: ContactLaw>(contacts: &mut [Contact<L>], impulses: &DVector<f
     true
 }
 
-/// Sweeps over the free pairs until their impulses no longer change, or for a while; returns the
+/// How much a sweep changes the motion.
+///
+/// In units in which each direction of each pair has the effective mass one: motion
+/// `(S p)_i / sqrt(S_ii)` over impulses `p_i sqrt(S_ii)`. Impulses themselves need not come to rest:
+/// where pairs of one corner, or around a closed ring, want motions that differ by the rounding of
+/// their gaps, sweeps pass a force on from one to the other, which moves nothing.
+struct Change {
+    scale: DVector<f64>,
+    motion: DVector<f64>,
+}
+
+impl Change {
+    fn new(schur: &DMatrix<f64>, impulses: &DVector<f64>) -> Self {
+        let root = |own: f64| if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 };
+        Self {
+            scale: schur.diagonal().map(root),
+            motion: schur * impulses,
+        }
+    }
+
+    /// The relative change since it was last asked for.
+    fn since(&mut self, schur: &DMatrix<f64>, impulses: &DVector<f64>) -> f64 {
+        let motion = schur * impulses;
+        let change = (&motion - &self.motion).component_mul(&self.scale).amax();
+        let sizes = schur.diagonal().component_mul(impulses);
+        let size = sizes.component_mul(&self.scale).amax();
+        self.motion = motion;
+        if change > 0.0 { change / size } else { 0.0 }
+    }
+}
+
+/// Sweeps over the free pairs until the motion no longer changes, or for a while; returns its
 /// relative change in the last one.
 fn sweep<L: ContactLaw>(
     matrices: &Matrices,
@@ -214,31 +253,24 @@ fn sweep<L: ContactLaw>(
             .sum();
         excess[row] - taken
     };
+    // What moves nothing is only made admissible.
+    let by = |left: f64, own: f64| if own > 0.0 { left / own } else { 0.0 };
+    let mut change = Change::new(schur, impulses);
     let mut residual = 0.0;
     for _ in 0..PATIENCE {
-        let (mut change, mut size) = (0.0_f64, 0.0_f64);
         let free = contacts.iter_mut().filter(|contact| !contact.held);
         for (b, contact) in free.enumerate() {
             let row = 3 * b;
-            let old = [impulses[row], impulses[row + 1], impulses[row + 2]];
             let own = schur[(row, row)] + contact.friction() * matrices.mixed[b];
-            if own > 0.0 {
-                impulses[row] = contact.normal(old[0] + left(row, impulses) / own);
-            }
+            impulses[row] = contact.normal(impulses[row] + by(left(row, impulses), own));
             let own = matrices.tangential[b];
-            if own > 0.0 {
-                let trial = [row + 1, row + 2].map(|i| impulses[i] + left(i, impulses) / own);
-                let (cut, slides) = contact.tangential(impulses[row], trial);
-                (impulses[row + 1], impulses[row + 2]) = (cut[0], cut[1]);
-                contact.slides = slides;
-            }
-            for (i, old) in old.into_iter().enumerate() {
-                change = change.max((impulses[row + i] - old).abs());
-                size = size.max(impulses[row + i].abs()).max(old.abs());
-            }
+            let trial = [row + 1, row + 2].map(|i| impulses[i] + by(left(i, impulses), own));
+            let (cut, slides) = contact.tangential(impulses[row], trial);
+            (impulses[row + 1], impulses[row + 2]) = (cut[0], cut[1]);
+            contact.slides = slides;
         }
         *sweeps += 1;
-        residual = if change > 0.0 { change / size } else { 0.0 };
+        residual = change.since(schur, impulses);
         if residual <= TOLERANCE {
             break;
         }

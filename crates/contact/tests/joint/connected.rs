@@ -1,7 +1,9 @@
 //! Pairs that share nodes: joints that meet at a line, corners.
 
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint, Tied};
-use powerhouse_model::{Bond, Constraint, ContactLaw, ContactState, JointPair, Vec3};
+use powerhouse_model::{
+    Bond, Constraint, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, Vec3,
+};
 
 use crate::{Bodies, Noise, oblique};
 
@@ -201,14 +203,111 @@ fn joined_joints_keep_their_records_apart() {
     assert_eq!(joint.isolated_count(), 1);
 
     let (mut again, mut twin) = (make(), bodies.clone());
-    for view in joint.joints() {
-        assert!(again.restore(view.name, view.records));
+    let kept: Vec<JointHistory> = joint.joints().iter().map(JointHistory::from).collect();
+    for history in &kept {
+        assert!(again.restore(history));
     }
-    assert!(!again.restore("lower", &[]) && !again.restore("none", joint.records()));
+    let other = |change: &dyn Fn(&mut JointHistory)| {
+        let mut history = kept[0].clone();
+        change(&mut history);
+        !make().restore(&history)
+    };
+    assert!(other(&|history| history.name = "none".into()));
+    assert!(other(&|history| history.nodes[0] = [0, 2]));
+    assert!(other(&|history| {
+        history.records.clear();
+        history.nodes.clear();
+    }));
+    assert!(other(&|history| {
+        history.records.push(history.records[0]);
+        history.nodes.push([3, 4]);
+    }));
     for _ in 0..50 {
         bodies.step(&mut joint, force).unwrap();
         twin.step(&mut again, force).unwrap();
     }
     assert_eq!(bodies.displacement, twin.displacement);
     assert_eq!(joint.records(), again.records());
+}
+
+/// Records find their pairs by the nodes, in whatever order the pairs were; those of one pair of nodes
+/// at an edge keep theirs.
+#[test]
+fn records_find_their_pairs_by_nodes() {
+    let pair = |nodes, normal| JointPair::new(nodes, normal, 1.0);
+    let here = [
+        pair([0, 1], Vec3::z()),
+        pair([2, 3], Vec3::z()),
+        pair([2, 3], Vec3::x()),
+    ];
+    let mut joint = Joint::new("joint", here.to_vec(), Tied).unwrap();
+    let record = |slip: f64| {
+        let mut record = JointRecord::default();
+        record.state.slip = slip;
+        record
+    };
+    let history = JointHistory {
+        name: "joint".into(),
+        nodes: vec![[2, 3], [0, 1], [2, 3]],
+        records: vec![record(2.0), record(1.0), record(3.0)],
+    };
+    assert!(joint.restore(&history));
+    let slips: Vec<f64> = joint.records().iter().map(|r| r.state.slip).collect();
+    assert_eq!(slips, [1.0, 2.0, 3.0]);
+}
+
+/// At a corner of a block three patches pair the same two nodes. If the bond of one cracks the others
+/// hold the nodes together, which leaves its own traction without an effect: it has none from then on,
+/// they carry everything, and nothing moves until they crack too.
+#[test]
+fn patches_of_a_corner_crack_one_by_one() {
+    let law = |strength: f64| {
+        BondedCoulomb::new(BondedCoulombParameters {
+            cohesion: 1e3,
+            tensile_strength: strength,
+            static_friction: 0.5,
+            dynamic_friction: 0.5,
+            cohesion_loss: true,
+        })
+        .unwrap()
+    };
+    let sides = [
+        ("x", Vec3::x(), 1.0),
+        ("y", Vec3::y(), 1e3),
+        ("z", Vec3::new(0.1, 0.0, 1.0), 1e3),
+    ];
+    let joint = |(name, normal, strength)| {
+        Joint::new(
+            name,
+            vec![JointPair::new([0, 1], normal, 1.0)],
+            law(strength),
+        )
+        .unwrap()
+    };
+    let mut joint = Joint::join(sides.map(joint).to_vec()).unwrap();
+    let mut bodies = Bodies::at_rest(&[2.0, 3.0], 1e-3);
+    let mut cracked = None;
+    for step in 0..2_000 {
+        let pull = Vec3::new(1.0, 0.1, -0.3) * (0.01 * step as f64);
+        let force = |body: usize| pull * (2.0 * body as f64 - 1.0);
+        bodies.step(&mut joint, force).unwrap();
+        let [x, y, z] = [0, 1, 2].map(|pair| joint.records()[pair]);
+        let apart = (bodies.velocity[1] - bodies.velocity[0]).norm();
+        assert!(apart <= 1e-14 * pull.norm(), "{step}: {apart:e}");
+        if x.state.bond == Bond::Broken {
+            cracked.get_or_insert(step);
+            assert_eq!(
+                (x.state.contact, x.traction),
+                (ContactState::Open, Vec3::zeros())
+            );
+        }
+        assert!(y.state.bond == Bond::Intact && z.state.bond == Bond::Intact);
+        // What they carry together is the force between the bodies.
+        let carried: Vec3 = (joint.pairs().iter().zip(joint.records()))
+            .map(|(pair, record)| pair.to_global(&record.traction))
+            .sum();
+        let error = (carried - pull).norm();
+        assert!(error <= 1e-9 * pull.norm(), "{step}: {error:e}");
+    }
+    assert!(cracked.is_some_and(|step| step > 10), "{cracked:?}");
 }

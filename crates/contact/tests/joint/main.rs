@@ -1,6 +1,7 @@
 //! Joints of a few masses, without an engine.
 
 mod connected;
+mod corners;
 mod extremes;
 mod friction;
 mod impact;

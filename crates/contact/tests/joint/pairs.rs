@@ -1,7 +1,7 @@
 //! Isolated pairs: closing, sticking, what is refused.
 
-use powerhouse_contact::{BondedCoulomb, Frictionless, Joint, Tied};
-use powerhouse_model::{Bond, Constraint, ContactState, JointPair, Mat3, Vec3};
+use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Frictionless, Joint, Tied};
+use powerhouse_model::{Bond, ContactState, JointPair, Mat3, Vec3};
 
 use crate::{Bodies, Noise, oblique};
 
@@ -157,7 +157,36 @@ fn senseless_joints_are_refused() {
     assert!(tied.clone().with_gaps(|_| 1e-3).is_err());
     assert!(tied.clone().with_gaps(|_| -1e-3).is_err());
     assert!(Joint::join(vec![tied.clone(), tied.clone()]).is_err());
-    let unbonded = tied.without_bond(|_| true);
-    assert_eq!(unbonded.records()[0].state.bond, Bond::Never);
-    assert_eq!(unbonded.joints()[0].law, "tied");
+    // A law that never lets go has no bond to lose, and one without a bond neither.
+    let message = "nodes with indices 0 and 1 has no bond";
+    let refused = tied.without_bond(|_| true).unwrap_err().to_string();
+    assert!(refused.contains(message), "{refused}");
+    let rubbing = BondedCoulomb::unbonded(0.5, 0.4).unwrap();
+    let rubbing = Joint::new("joint", pair(), rubbing).unwrap();
+    let refused = rubbing.clone().without_bond(|_| true).unwrap_err();
+    assert!(refused.to_string().contains(message), "{refused}");
+    // No traction across a gap, whichever is said first.
+    let press = |pair: &JointPair| -pair.normal;
+    let apart = rubbing.clone().with_gaps(|_| 1e-3).unwrap();
+    assert!(apart.with_preload(press).is_err());
+    let pressed = rubbing.with_preload(press).unwrap();
+    assert!(pressed.clone().with_gaps(|_| 0.0).is_ok());
+    assert!(pressed.with_gaps(|_| 1e-3).is_err());
+}
+
+/// The bond is taken where it is said, and only there.
+#[test]
+fn a_bond_is_taken_where_it_is_said() {
+    let law = BondedCoulomb::new(BondedCoulombParameters {
+        cohesion: 1.0,
+        tensile_strength: 1.0,
+        static_friction: 0.5,
+        dynamic_friction: 0.5,
+        cohesion_loss: true,
+    });
+    let pairs = [[0, 1], [2, 3]].map(|nodes| JointPair::new(nodes, Vec3::z(), 1.0));
+    let joint = Joint::new("joint", pairs.to_vec(), law.unwrap()).unwrap();
+    let joint = joint.without_bond(|pair| pair.nodes[0] == 2).unwrap();
+    let bonds: Vec<Bond> = joint.records().iter().map(|r| r.state.bond).collect();
+    assert_eq!(bonds, [Bond::Intact, Bond::Never]);
 }

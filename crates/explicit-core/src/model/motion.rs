@@ -201,10 +201,7 @@ impl Model {
             history: merged(self.blocks.iter().map(|b| (b.label(), b.history()))),
             joints: self
                 .joints()
-                .map(|joint| JointHistory {
-                    name: joint.name.into(),
-                    records: joint.records.to_vec(),
-                })
+                .map(|joint| JointHistory::from(&joint))
                 .collect(),
         }
     }
@@ -243,8 +240,7 @@ impl Model {
         }
         for joint in &state.joints {
             let mut constraints = self.constraints.iter_mut();
-            let found =
-                constraints.any(|bound| bound.constraint.restore(&joint.name, &joint.records));
+            let found = constraints.any(|bound| bound.constraint.restore(joint));
             if !found {
                 return Err(EngineError::UnknownJoint {
                     name: joint.name.clone(),

@@ -14,19 +14,19 @@ pub struct PeakField {
 }
 
 impl PeakField {
-    fn new(count: usize, start: f64) -> Self {
+    pub(super) fn new(count: usize, start: f64) -> Self {
         Self {
             values: vec![start; count],
             times: vec![0.0; count],
         }
     }
-    fn raise(&mut self, index: usize, value: f64, time: f64) {
+    pub(super) fn raise(&mut self, index: usize, value: f64, time: f64) {
         if value > self.values[index] {
             self.values[index] = value;
             self.times[index] = time;
         }
     }
-    fn lower(&mut self, index: usize, value: f64, time: f64) {
+    pub(super) fn lower(&mut self, index: usize, value: f64, time: f64) {
         if value < self.values[index] {
             self.values[index] = value;
             self.times[index] = time;

@@ -36,6 +36,16 @@ pub enum ObserveError {
         /// The element's number.
         element: u64,
     },
+    /// Pairs of a joint that the body does not have.
+    #[error("'{name}' asks for pair {pair} of joint '{joint}', which does not exist")]
+    NoSuchPairs {
+        /// Who asks.
+        name: String,
+        /// The joint's name.
+        joint: String,
+        /// The last of the pairs.
+        pair: usize,
+    },
     /// A node set without nodes has no mean.
     #[error("'{name}' asks for the mean of node set '{set}', which is empty")]
     EmptySet {

@@ -6,7 +6,7 @@
 //! | [`EnergyHistory`] | the columns of the energy ledger | 8 bytes a column and row |
 //! | [`SectionForces`] | normal force, shears and moments of cuts through linings and pillars | 8 bytes a column and row; 144 a node and 288 an element of the cut |
 //! | [`Envelope`] | largest motion of nodes, greatest and least principal stress of elements, with their times | 16 bytes a node and kind of motion, 32 an element |
-//! | [`JointHistories`] | slip, opening and energies of joints, and their pairs as they were last | 56 bytes a joint and row, 300 a pair |
+//! | [`JointHistories`] | state, slip, opening, tractions and energies of joints, and their pairs as they were last | 8 bytes a column and row, 350 a pair |
 //! | [`Snapshots`] | nothing: hands whole fields to a [`SnapshotSink`] | one copy of each field wanted |
 //!
 //! An observer goes into the run and is lost to its maker; what it collects is read through a
@@ -37,7 +37,10 @@ pub use energy::EnergyHistory;
 pub use envelope::{Envelope, EnvelopeTable, PeakField};
 pub use error::ObserveError;
 pub use history::{History, HistoryBuilder};
-pub use joints::{JointHistories, JointTable, JointTables};
+pub use joints::{
+    JointHistories, JointOutcome, JointQuantities, JointTable, JointTables, JointWatch,
+    TractionPeaks,
+};
 pub use peaks::{PeakPlace, PeakRow, PeakTable};
 pub use place::{Motion, Place, Spot, StressPlace};
 pub use principal::principal_stresses;

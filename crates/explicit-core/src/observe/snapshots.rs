@@ -2,7 +2,9 @@
 
 use std::error::Error;
 
-use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Stress, Vec3};
+use powerhouse_model::{
+    Cadence, Fields, Flow, JointView, Mesh, ModelError, Observer, StepView, Stress, Vec3,
+};
 
 use super::{Motion, ObserveError, check_cadence};
 
@@ -33,6 +35,8 @@ pub struct Snapshot<'a> {
     pub acceleration: &'a [Vec3],
     /// Mean change of stress (Pa), one per mesh element.
     pub stress: &'a [Stress],
+    /// The joints of the body.
+    pub joints: &'a [JointView<'a>],
 }
 
 /// Takes snapshots, such as a writer of files. A closure is one too.
@@ -170,6 +174,7 @@ impl Observer for Snapshots {
             velocity: &self.velocity,
             acceleration: &self.acceleration,
             stress: &self.stress,
+            joints: &view.joints(),
         };
         let taken = self.sink.take(&snapshot);
         taken.map_err(|error| ModelError::refused("snapshots", error))?;

@@ -12,7 +12,10 @@ use crate::{IoError, write_whole};
 pub struct PvdCollection {
     file: PathBuf,
     writer: VtuWriter,
-    instants: Vec<(f64, String)>,
+    /// Time, part and file of each entry.
+    entries: Vec<(f64, usize, String)>,
+    /// How many instants there are.
+    instants: usize,
 }
 
 impl PvdCollection {
@@ -22,7 +25,8 @@ impl PvdCollection {
         Self {
             file: file.into(),
             writer,
-            instants: Vec::new(),
+            entries: Vec::new(),
+            instants: 0,
         }
     }
 
@@ -33,12 +37,12 @@ impl PvdCollection {
 
     /// How many instants have been written.
     pub fn len(&self) -> usize {
-        self.instants.len()
+        self.instants
     }
 
     /// Whether no instant has been written.
     pub fn is_empty(&self) -> bool {
-        self.instants.is_empty()
+        self.instants == 0
     }
 
     /// Writes one instant at a time (s).
@@ -51,16 +55,40 @@ impl PvdCollection {
         at_nodes: &[VtuField],
         in_elements: &[VtuField],
     ) -> Result<(), IoError> {
+        self.add_with(time, at_nodes, in_elements, &[])
+    }
+
+    /// Writes one instant at a time (s) with further parts beside the first, such as surfaces: the
+    /// name that is put into each one's file name, its writer, and its fields at nodes.
+    ///
+    /// # Errors
+    /// As [`VtuWriter::write`].
+    pub fn add_with(
+        &mut self,
+        time: f64,
+        at_nodes: &[VtuField],
+        in_elements: &[VtuField],
+        parts: &[(&str, &VtuWriter, &[VtuField])],
+    ) -> Result<(), IoError> {
         let folder = self.file.with_extension("");
         let stem = folder
             .file_name()
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        let name = format!("{stem}/{stem}_{:05}.vtu", self.instants.len());
-        let instant = self.file.with_file_name(&name);
+        let name = format!("{stem}/{stem}_{:05}", self.instants);
+        let mut names = vec![format!("{name}.vtu")];
+        let instant = self.file.with_file_name(&names[0]);
         self.writer.write(&instant, time, at_nodes, in_elements)?;
-        self.instants.push((time, name));
+        for (part, writer, fields) in parts {
+            let name = format!("{name}_{part}.vtu");
+            writer.write(&self.file.with_file_name(&name), time, fields, &[])?;
+            names.push(name);
+        }
+        let parts = names.into_iter().enumerate();
+        let entries = parts.map(|(part, name)| (time, part, name));
+        self.entries.extend(entries);
+        self.instants += 1;
         write_whole(&self.file, self.text().as_bytes())
     }
 
@@ -71,10 +99,10 @@ impl PvdCollection {
             r#"<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">"#,
             "\n<Collection>\n"
         ));
-        for (time, name) in &self.instants {
+        for (time, part, name) in &self.entries {
             let _ = writeln!(
                 text,
-                r#"<DataSet timestep="{time}" group="" part="0" file="{}"/>"#,
+                r#"<DataSet timestep="{time}" group="" part="{part}" file="{}"/>"#,
                 escaped(name)
             );
         }

@@ -14,14 +14,24 @@ use super::{Parameters, SceneFile};
 use crate::fault::{Fault, Problem};
 
 /// Keys whose table, or whose tables in an array, say their shape by `kind`.
-const TAGGED: [&str; 6] = [
-    "baseline", "damping", "function", "load", "pulse", "support",
+const TAGGED: [&str; 7] = [
+    "baseline", "damping", "function", "load", "preload", "pulse", "support",
 ];
 /// Open tables, and the keys in them that the format reads itself.
 const MATERIAL: (&str, &[&str]) = ("material", &["name", "law"]);
 const JOINT: (&str, &[&str]) = (
     "joint",
-    &["name", "between", "facets", "tolerance", "corner", "law"],
+    &[
+        "name",
+        "between",
+        "facets",
+        "tolerance",
+        "corner",
+        "law",
+        "preload",
+        "gap",
+        "unbonded",
+    ],
 );
 const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer"]);
 

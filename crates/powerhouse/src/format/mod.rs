@@ -34,11 +34,14 @@ pub use ground::{
     Baseline, BoundarySection, Component, Components, Convention, Count, Ground, Length, Record,
     Space, Units, Wave, WaveKind, Within,
 };
-pub use joint::JointSection;
+pub use joint::{Gap, JointSection, Preload, Zone};
 pub(crate) use load::{GRAVITY, WATER_DENSITY};
 pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
-pub use output::{Envelope, History, Output, Quantity, RelativeDisplacement, Section, Snapshots};
+pub use output::{
+    Envelope, History, JointHistory, JointQuantity, Output, Quantity, RelativeDisplacement,
+    Section, Snapshots,
+};
 pub use parameters::Parameters;
 pub use quantity::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,

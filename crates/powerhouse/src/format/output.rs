@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{At, Finite, Positive};
+use super::{At, Finite, Positive, Zone};
 
 /// What is written, and where.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
@@ -26,6 +26,10 @@ pub struct Output {
     /// Section forces of linings and pillars.
     #[serde(rename = "section", default)]
     pub sections: Vec<Section>,
+    /// Histories of joints or parts of them; state, slip, peak opening and energies of every joint as
+    /// a whole are recorded anyway.
+    #[serde(rename = "joint", default)]
+    pub joints: Vec<JointHistory>,
     /// Time between looks at the energies (s); a hundredth of the duration by default.
     pub energies: Option<Positive>,
     /// Greatest values over the run, everywhere.
@@ -114,6 +118,69 @@ pub struct Section {
     /// Only elements in the cube of which `at` is the centre and this half the edge, along the axes,
     /// belong to the cut (m); all by default. A plane cuts a ring twice: this picks one side.
     pub reach: Option<Positive>,
+}
+
+/// What is recorded of a joint.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum JointQuantity {
+    /// Shares of the area that slide, are open, and whose bond has broken.
+    State,
+    /// The largest accumulated slip of any pair (m).
+    Slip,
+    /// The largest opening of any pair at the time (m), negative where all overlap.
+    Opening,
+    /// The largest opening of any pair so far (m).
+    PeakOpening,
+    /// Means over the area of normal traction, tension positive, and of the size of shear traction
+    /// (Pa).
+    Traction,
+    /// Dissipated by friction so far (J).
+    Friction,
+    /// Dissipated where bonds broke (J).
+    Bond,
+    /// Lost where sides met (J).
+    Impact,
+}
+
+/// Histories of a joint, or of the pairs that at most one of `at`, `node`, `set` and `low` with `high`
+/// picks.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointHistory {
+    /// The name in results.
+    pub name: At<String>,
+    /// The joint's name.
+    pub joint: At<String>,
+    /// A point (m): the pairs at the node that is nearest to it.
+    pub at: Option<At<[Finite; 3]>>,
+    /// How far from the point that node may be (m); 0.001 by default.
+    pub within: Option<At<Positive>>,
+    /// A node by its number in the mesh file.
+    pub node: Option<At<u64>>,
+    /// A node, facet or element set: the pairs with a node in it.
+    pub set: Option<At<String>>,
+    /// The lowest corner of a box (m): the pairs in it, or on its faces.
+    pub low: Option<At<[Finite; 3]>>,
+    /// The highest corner of the box (m).
+    pub high: Option<At<[Finite; 3]>>,
+    /// What is recorded; everything by default.
+    pub quantities: Option<At<Vec<At<JointQuantity>>>>,
+}
+
+impl JointHistory {
+    /// The pairs that it picks; none if all of them.
+    pub fn zone(&self) -> Option<Zone> {
+        let zone = Zone {
+            at: self.at.clone(),
+            within: self.within.clone(),
+            node: self.node.clone(),
+            set: self.set.clone(),
+            low: self.low.clone(),
+            high: self.high.clone(),
+        };
+        (!zone.is_empty()).then_some(zone)
+    }
 }
 
 /// Greatest values over the run, with their times.

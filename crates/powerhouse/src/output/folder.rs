@@ -4,6 +4,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{HistoryTable, SnapshotSink};
 use powerhouse_io::{IoError, TableColumn, write_summary, write_table, write_whole};
 use powerhouse_model::Mesh;
@@ -20,12 +21,12 @@ use crate::{Error, Remark};
 /// | `histories.csv` | histories and relative displacements |
 /// | `sections.csv` | section forces |
 /// | `energies.csv` | the energy ledger |
-/// | `joints.csv` | shares of area, greatest slips and openings and energies of joints |
-/// | `joints/NAME.vtu` | each joint's facets with state, tractions, slip, opening and energies |
-/// | `plots/NAME.svg` | each of them drawn |
+/// | `joints.csv` | state, slip, opening, tractions and energies of joints and parts of them |
+/// | `joints/NAME.vtu` | each joint's facets at the end with state, slip, opening, energies, times of first slip and crack, and greatest tractions |
+/// | `plots/NAME.svg`, `plots/joint-NAME.svg` | each of them drawn |
 /// | `envelope.vtu` | greatest values with their times |
 /// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
-/// | `snapshots.pvd` and a folder beside it | whole fields, for ParaView |
+/// | `snapshots.pvd` and a folder beside it | whole fields, and the facets of joints, for ParaView |
 /// | `scene.toml` | the scene as it was run |
 ///
 /// Every file is written whole or not at all. [`create`](Self::create) and [`clear`](Self::clear)
@@ -111,12 +112,17 @@ impl ResultFolder {
         files.map(|entry| entry.path()).collect()
     }
 
-    /// A sink that writes snapshots of a mesh as VTU files and a PVD collection.
+    /// A sink that writes snapshots of a mesh and of the sides of its joints, by name, as VTU files
+    /// and a PVD collection.
     ///
     /// # Errors
     /// A mesh that VTU files cannot hold.
-    pub fn snapshots(&self, mesh: &Mesh) -> Result<Box<dyn SnapshotSink>, Error> {
-        Ok(vtu::snapshots(self.path.join(SNAPSHOTS), mesh)?)
+    pub fn snapshots(
+        &self,
+        mesh: &Mesh,
+        joints: &[(String, JointSurface)],
+    ) -> Result<Box<dyn SnapshotSink>, Error> {
+        Ok(vtu::snapshots(self.path.join(SNAPSHOTS), mesh, joints)?)
     }
 
     /// Writes the results, and the scene's text if there is one; returns the files written, the
@@ -156,6 +162,9 @@ impl ResultFolder {
             for (name, plot) in drawing::plots(&columns(table)) {
                 files.write(&format!("plots/{name}.svg"), plot)?;
             }
+        }
+        for (name, plot) in drawing::plots(&columns(&results.joint_histories)) {
+            files.write(&format!("plots/joint-{name}.svg"), plot)?;
         }
         if !results.energies.times.is_empty() {
             let columns = columns(&results.energies);

@@ -10,7 +10,8 @@ mod vtu;
 
 pub use folder::ResultFolder;
 pub use plan::{
-    CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, SnapshotWish, StressWish,
+    CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,
+    StressWish,
 };
 pub(crate) use results::Recordings;
 pub use results::{EnergyResidual, Results};

@@ -1,6 +1,10 @@
 //! What is wanted of a run.
 
-use powerhouse_explicit_core::observe::{Cut, Motion, Place, SnapshotFields, StressPlace};
+use powerhouse_explicit_core::observe::{
+    Cut, JointQuantities, Motion, Place, SnapshotFields, StressPlace,
+};
+
+use crate::JointZone;
 
 /// Motion at a place.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +59,19 @@ pub struct EnvelopeWish {
     pub every: f64,
 }
 
+/// What becomes of some pairs of a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointWish {
+    /// The name in results.
+    pub name: String,
+    /// The joint's name.
+    pub joint: String,
+    /// Which of its pairs.
+    pub zone: JointZone,
+    /// What is recorded of them.
+    pub quantities: JointQuantities,
+}
+
 /// Whole fields at a cadence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SnapshotWish {
@@ -90,6 +107,8 @@ pub struct OutputPlan {
     pub relative: Vec<RelativeWish>,
     /// Cuts.
     pub cuts: Vec<CutWish>,
+    /// Joints, or parts of them, beside what is recorded of every joint as a whole.
+    pub joints: Vec<JointWish>,
     /// Time between looks at the energies (s).
     pub energies: Option<f64>,
     /// Greatest values.
@@ -107,6 +126,7 @@ impl Default for OutputPlan {
             stresses: Vec::new(),
             relative: Vec::new(),
             cuts: Vec::new(),
+            joints: Vec::new(),
             energies: None,
             envelope: None,
             snapshots: None,
@@ -141,6 +161,23 @@ impl OutputPlan {
             name: name.into(),
             at: at.into(),
             from: from.into(),
+        });
+        self
+    }
+    /// Adds what becomes of some pairs of a joint.
+    #[must_use]
+    pub fn joint(
+        mut self,
+        name: &str,
+        joint: &str,
+        zone: JointZone,
+        quantities: JointQuantities,
+    ) -> Self {
+        self.joints.push(JointWish {
+            name: name.into(),
+            joint: joint.into(),
+            zone,
+            quantities,
         });
         self
     }

@@ -5,13 +5,15 @@ use std::time::Duration;
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::RunReport;
 use powerhouse_explicit_core::observe::{
-    CutSource, EnergyHistory, Envelope, EnvelopeTable, History, HistoryTable, JointHistories,
-    JointTable, JointTables, Motion, PeakTable, Recording, SectionForces, SectionGeometry,
+    Column, CutSource, EnergyHistory, Envelope, EnvelopeTable, History, HistoryTable,
+    JointHistories, JointOutcome, JointQuantities, JointTable, JointTables, JointWatch, Motion,
+    PeakTable, Recording, SectionForces, SectionGeometry,
 };
 use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
 
-use super::OutputPlan;
-use crate::Error;
+use super::{JointWish, OutputPlan};
+use crate::joint::NamedSurface;
+use crate::{Error, Remark};
 
 /// The ledger's column of what does not balance.
 const RESIDUAL: &str = "residual";
@@ -48,6 +50,8 @@ pub struct Results {
     pub envelope: Option<EnvelopeTable>,
     /// Joints: shares of area, greatest slips and openings and energies against time.
     pub joint_histories: HistoryTable,
+    /// What has become of each joint, and of the parts of joints that were asked for.
+    pub joint_outcomes: Vec<JointOutcome>,
     /// The pairs of each joint at the end, with what has become of them over the run.
     pub joints: Vec<JointTable>,
     /// The sides of the joints, in the same order.
@@ -82,33 +86,38 @@ impl Results {
     /// For each joint its name and its largest slip or opening over the shortest edge of its facets.
     /// Pairs keep their nodes, so that a share above some [`Results::SMALL_SLIP`] is no longer small.
     pub fn slip_shares(&self, mesh: &Mesh) -> Vec<(&str, f64)> {
-        let shortest = |surface: &JointSurface| {
-            let at = |node: u32| mesh.positions()[node as usize];
-            let facets = surface.facets.iter().map(|facet| &facet.nodes);
-            let edges = facets.flat_map(|nodes| {
-                let next = nodes.iter().cycle().skip(1);
-                nodes
-                    .iter()
-                    .zip(next)
-                    .map(|(&a, &b)| (at(b) - at(a)).norm())
-            });
-            edges.fold(f64::INFINITY, f64::min)
-        };
         let largest = |table: &JointTable| {
             let of = |record: &JointRecord| record.state.slip.max(record.peak_opening);
             table.records.iter().map(of).fold(0.0, f64::max)
         };
         let joints = self.joints.iter().zip(&self.joint_surfaces);
+        let share = |(table, surface): (&'_ JointTable, &JointSurface)| {
+            largest(table) / surface.shortest_edge(mesh)
+        };
         joints
-            .map(|(table, surface)| (table.name.as_str(), largest(table) / shortest(surface)))
+            .map(|joint| (joint.0.name.as_str(), share(joint)))
             .collect()
+    }
+    /// Doubts about the results: joints whose slip is not small.
+    pub fn doubts(&self, mesh: &Mesh) -> Vec<Remark> {
+        let shares = self.slip_shares(mesh).into_iter();
+        let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
+        let remark = |(joint, share): (&str, f64)| Remark::LargeSlip {
+            joint: joint.into(),
+            share,
+        };
+        large.map(remark).collect()
     }
     /// The greatest values of all histories, section forces and envelopes.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
         let mut peaks = PeakTable::default();
         peaks.add_history(&self.histories);
         peaks.add_history(&self.sections);
-        peaks.add_history(&self.joint_histories);
+        // Most of a joint mostly does nothing.
+        let mut of_joints = self.joint_histories.clone();
+        let moves = |column: &Column| column.values.iter().any(|value| *value != 0.0);
+        of_joints.columns.retain(moves);
+        peaks.add_history(&of_joints);
         if let Some(envelope) = &self.envelope {
             peaks.add_envelope("envelope", envelope, mesh);
         }
@@ -124,7 +133,7 @@ pub(crate) struct Recordings {
     energies: Option<Recording<HistoryTable>>,
     envelope: Option<Recording<EnvelopeTable>>,
     joints: Option<Recording<JointTables>>,
-    joint_surfaces: Vec<(String, JointSurface)>,
+    joint_surfaces: Vec<NamedSurface>,
 }
 
 impl Recordings {
@@ -203,16 +212,27 @@ impl Recordings {
     pub(crate) fn watch_joints(
         &mut self,
         plan: &OutputPlan,
-        surfaces: Vec<(String, JointSurface)>,
+        mesh: &Mesh,
+        surfaces: Vec<NamedSurface>,
         observers: &mut Vec<Box<dyn Observer>>,
     ) -> Result<(), Error> {
-        if !surfaces.is_empty() {
-            let joints = JointHistories::new(Cadence::Seconds(plan.every)).map_err(model)?;
+        let mut watches: Vec<JointWatch> = surfaces.iter().map(whole).collect();
+        for wish in &plan.joints {
+            watches.push(wish.watch(mesh, &surfaces)?);
+        }
+        if !watches.is_empty() {
+            let joints = JointHistories::new(Cadence::Seconds(plan.every), watches);
+            let joints = joints.map_err(model)?;
             self.joints = Some(joints.recording());
             observers.push(Box::new(joints));
         }
         self.joint_surfaces = surfaces;
         Ok(())
+    }
+
+    /// The sides of the joints, by name.
+    pub(crate) fn joint_surfaces(&self) -> &[NamedSurface] {
+        &self.joint_surfaces
     }
 
     pub(crate) fn finish(self, run: RunReport, wall_time: Duration, snapshots: u64) -> Results {
@@ -232,6 +252,7 @@ impl Recordings {
         Results {
             joint_surfaces: joints.joints.iter().filter_map(surface).collect(),
             joint_histories: joints.history,
+            joint_outcomes: joints.outcomes,
             joints: joints.joints,
             run,
             wall_time,
@@ -242,6 +263,38 @@ impl Recordings {
             envelope: self.envelope.map(|recording| recording.copy()),
             snapshots,
         }
+    }
+}
+
+/// What is kept of every joint.
+fn whole((name, surface): &NamedSurface) -> JointWatch {
+    JointWatch {
+        name: name.clone(),
+        joint: name.clone(),
+        pairs: (0..surface.pairs.len()).collect(),
+        quantities: JointQuantities {
+            opening: false,
+            traction: false,
+            ..JointQuantities::ALL
+        },
+    }
+}
+
+impl JointWish {
+    /// The pairs that it asks for.
+    fn watch(&self, mesh: &Mesh, surfaces: &[NamedSurface]) -> Result<JointWatch, Error> {
+        let of_name = surfaces.iter().find(|(name, _)| *name == self.joint);
+        let Some((joint, surface)) = of_name else {
+            return Err(Error::NoSuchJoint {
+                name: self.joint.clone(),
+            });
+        };
+        Ok(JointWatch {
+            name: self.name.clone(),
+            joint: joint.clone(),
+            pairs: self.zone.pairs(mesh, (joint, surface))?,
+            quantities: self.quantities,
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a run says of itself in one file.
 
 use powerhouse_explicit_core::Ended;
-use powerhouse_explicit_core::observe::PeakRow;
+use powerhouse_explicit_core::observe::{JointOutcome, JointTable, PeakRow};
 use powerhouse_model::{LimitingTerm, Mesh};
 use serde::Serialize;
 
@@ -28,6 +28,8 @@ pub(super) struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     stable_step: Option<StableStepSummary>,
     peaks: Vec<Peak>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    joints: Vec<Joint>,
     /// J, at the last look; terms that were ever other than zero
     energies: Vec<Energy>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,6 +57,39 @@ struct Peak {
     time: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Joint {
+    name: String,
+    joint: String,
+    pairs: usize,
+    /// m2
+    area: f64,
+    /// s
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_slip: Option<f64>,
+    /// s
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_crack: Option<f64>,
+    /// Share of the area
+    slipped: f64,
+    /// Share of the area
+    opened: f64,
+    /// m
+    slip: f64,
+    /// m
+    peak_opening: f64,
+    /// J
+    friction: f64,
+    /// J
+    bond: f64,
+    /// J
+    impact: f64,
+    /// Of the pairs of the joint that share nodes
+    most_sweeps: u32,
+    /// Change of motion in the last sweep
+    worst_residual: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -112,6 +147,9 @@ impl Summary {
                 .into_iter()
                 .map(Peak::from)
                 .collect(),
+            joints: (results.joint_outcomes.iter())
+                .map(|outcome| Joint::new(outcome, &results.joints))
+                .collect(),
             energies: results
                 .energy_terms()
                 .into_iter()
@@ -125,7 +163,32 @@ impl Summary {
                 share_of_input: residual.share_of_input,
                 largest: residual.largest,
             }),
-            remarks: remarks.iter().map(Remark::to_string).collect(),
+            remarks: (remarks.iter().map(Remark::to_string))
+                .chain(results.doubts(mesh).iter().map(Remark::to_string))
+                .collect(),
+        }
+    }
+}
+
+impl Joint {
+    fn new(outcome: &JointOutcome, joints: &[JointTable]) -> Self {
+        let whole = joints.iter().find(|joint| joint.name == outcome.joint);
+        Self {
+            most_sweeps: whole.map_or(0, |joint| joint.most_sweeps),
+            worst_residual: whole.map_or(0.0, |joint| joint.worst_residual),
+            name: outcome.name.clone(),
+            joint: outcome.joint.clone(),
+            pairs: outcome.pairs,
+            area: outcome.area,
+            first_slip: outcome.first_slip,
+            first_crack: outcome.first_crack,
+            slipped: outcome.slipped,
+            opened: outcome.opened,
+            slip: outcome.slip,
+            peak_opening: outcome.peak_opening,
+            friction: outcome.friction,
+            bond: outcome.bond,
+            impact: outcome.impact,
         }
     }
 }

@@ -2,9 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{EnvelopeTable, PeakField, Snapshot, SnapshotSink};
 use powerhouse_io::{FieldPrecision, IoError, PictureField, PvdCollection, VtuField, VtuWriter};
 use powerhouse_model::{Mesh, Stress, Vec3};
+
+use super::drawing::file_name;
+use super::joints::{JointFacets, JointFields, scalars as scalars_of_joint};
 
 fn writer(file: &Path, mesh: &Mesh) -> Result<VtuWriter, IoError> {
     VtuWriter::new(mesh, FieldPrecision::Single).map_err(|source| IoError::File {
@@ -13,14 +17,30 @@ fn writer(file: &Path, mesh: &Mesh) -> Result<VtuWriter, IoError> {
     })
 }
 
-/// A sink that writes each snapshot as a VTU file and all of them as a collection.
-pub(super) fn snapshots(file: PathBuf, mesh: &Mesh) -> Result<Box<dyn SnapshotSink>, IoError> {
+/// A sink that writes each snapshot as a VTU file, joints as files beside it, and all of them as a
+/// collection.
+pub(super) fn snapshots(
+    file: PathBuf,
+    mesh: &Mesh,
+    joints: &[(String, JointSurface)],
+) -> Result<Box<dyn SnapshotSink>, IoError> {
     let writer = writer(&file, mesh)?;
-    Ok(Box::new(SnapshotFiles(PvdCollection::new(file, writer))))
+    let facets = |(name, surface): &(String, JointSurface)| {
+        let facets = JointFacets::new(&file, mesh, surface)?;
+        Ok((name.clone(), facets))
+    };
+    Ok(Box::new(SnapshotFiles {
+        joints: joints.iter().map(facets).collect::<Result<_, IoError>>()?,
+        collection: PvdCollection::new(file, writer),
+    }))
 }
 
 /// Writes snapshots as they come.
-struct SnapshotFiles(PvdCollection);
+struct SnapshotFiles {
+    collection: PvdCollection,
+    /// The facets of the joints, by name.
+    joints: Vec<(String, JointFacets)>,
+}
 
 impl SnapshotSink for SnapshotFiles {
     fn take(&mut self, shot: &Snapshot) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
@@ -51,7 +71,20 @@ impl SnapshotSink for SnapshotFiles {
         } else {
             &[in_elements]
         };
-        Ok(self.0.add(shot.time, &at_nodes, in_elements)?)
+        let mut joints: Vec<(String, &VtuWriter, JointFields)> = Vec::new();
+        for (name, facets) in &self.joints {
+            if let Some(view) = shot.joints.iter().find(|joint| joint.name == name) {
+                let fields = facets.fields(view.pairs, view.records);
+                joints.push((file_name(name), &facets.writer, fields));
+            }
+        }
+        let fields: Vec<Vec<VtuField>> = joints.iter().map(|(.., f)| scalars_of_joint(f)).collect();
+        let parts: Vec<(&str, &VtuWriter, &[VtuField])> = (joints.iter().zip(&fields))
+            .map(|((name, writer, _), fields)| (name.as_str(), *writer, &fields[..]))
+            .collect();
+        self.collection
+            .add_with(shot.time, &at_nodes, in_elements, &parts)?;
+        Ok(())
     }
 }
 

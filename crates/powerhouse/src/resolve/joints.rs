@@ -1,13 +1,12 @@
 //! Joints: the mesh is cut open where they are, before any of its nodes are looked up.
 
 use powerhouse_contact::{JointSurface, SurfaceOptions};
-use powerhouse_model::{ContactLaw, Facet, Mesh};
+use powerhouse_model::{ContactLaw, Facet, Mesh, Stress};
 
-use super::no_such_set;
-use crate::Registry;
+use super::{Names, no_such_set, one_of, vector};
 use crate::fault::{Fault, Problem};
-use crate::format::{At, JointSection, Positive};
-use crate::scene::SceneJoint;
+use crate::format::{self, At, Finite, Gap, JointSection, Positive, Zone};
+use crate::{GroundStress, InitialGap, JointZone, Preload, Registry, SceneJoint};
 
 /// Cuts a mesh open between the parts of its joints and matches the sides of all of them.
 pub(super) fn joints(
@@ -55,13 +54,105 @@ pub(super) fn joints(
         let law: Box<dyn ContactLaw> = registry.joint_law(section)?;
         let options = options(&mesh, section)?;
         let surface = JointSurface::between(&mesh, first, second, &options);
-        joints.push(SceneJoint {
-            name: section.name.to_string(),
-            surface: surface.map_err(|error| Fault::refused(place.clone(), error))?,
-            law,
-        });
+        let surface = surface.map_err(|error| Fault::refused(place.clone(), error))?;
+        let mut joint = SceneJoint::new(section.name.to_string(), surface, law);
+        start(&Names { mesh: &mesh }, section, &mut joint)?;
+        joints.push(joint);
     }
     Ok((mesh, joints))
+}
+
+/// How a joint starts.
+fn start(names: &Names, section: &JointSection, joint: &mut SceneJoint) -> Result<(), Fault> {
+    let check = |joint: &SceneJoint, place| {
+        let checked = joint.check(names.mesh);
+        checked.map_err(|error| Fault::refused(place, error))
+    };
+    if let Some(gap) = &section.gap {
+        joint.gap = match **gap {
+            Gap::Meshed => InitialGap::Meshed,
+            Gap::Distance(distance) => InitialGap::Distance(distance),
+        };
+        check(joint, gap.span())?;
+    }
+    for zone in section.unbonded.iter().flatten() {
+        joint.unbonded.push(self::zone(names, zone, zone.span())?);
+        check(joint, zone.span())?;
+    }
+    if let Some(preload) = &section.preload {
+        joint.preload = Some(self::preload(preload)?);
+        check(joint, preload.span())?;
+    }
+    Ok(())
+}
+
+fn preload(preload: &At<format::Preload>) -> Result<Preload, Fault> {
+    Ok(match &**preload {
+        format::Preload::Pressure { pressure } => Preload::Pressure(pressure.get()),
+        format::Preload::Traction { traction } => Preload::Traction(vector(traction)),
+        format::Preload::Stress { stress } => Preload::Stress(Stress(stress.map(Finite::get))),
+        format::Preload::Ground {
+            level,
+            density,
+            lateral,
+        } => {
+            let ground = GroundStress::new(level.get(), density.get(), lateral.get());
+            Preload::Ground(ground.map_err(|error| Fault::refused(preload.span(), error))?)
+        }
+    })
+}
+
+/// Farthest that a point may be from the node that it names (m), unless the scene says otherwise.
+const WITHIN: f64 = 1e-3;
+
+/// The pairs that the keys of a zone name, of which there must be exactly one; `place` is where they
+/// stand.
+pub(super) fn zone(
+    names: &Names,
+    zone: &Zone,
+    place: core::ops::Range<usize>,
+) -> Result<JointZone, Fault> {
+    let missing = |key: &str| {
+        let key = key.into();
+        Fault::new(place.clone(), Problem::MissingKey { key })
+    };
+    let corners = match (&zone.low, &zone.high) {
+        (Some(low), Some(high)) => Some((low, high)),
+        (Some(_), None) => return Err(missing("high")),
+        (None, Some(_)) => return Err(missing("low")),
+        (None, None) => None,
+    };
+    if let (Some(within), None) = (&zone.within, &zone.at) {
+        let key = "at".into();
+        return Err(Fault::new(within.span(), Problem::MissingKey { key }));
+    }
+    Ok(match (&zone.at, &zone.node, &zone.set, corners) {
+        (Some(at), None, None, None) => JointZone::Near {
+            position: vector(at),
+            within: zone.within.as_ref().map_or(WITHIN, |within| within.get()),
+        },
+        (None, Some(node), None, None) => {
+            names.node(node)?;
+            JointZone::Node(**node)
+        }
+        (None, None, Some(set), None) => {
+            names.nodes(set)?;
+            JointZone::Set(set.to_string())
+        }
+        (None, None, None, Some((low, high))) => JointZone::Box {
+            low: vector(low),
+            high: vector(high),
+        },
+        (at, node, set, corners) => {
+            let given = [
+                at.is_some(),
+                node.is_some(),
+                set.is_some(),
+                corners.is_some(),
+            ];
+            return Err(one_of(place, &["at", "node", "set", "low"], &given));
+        }
+    })
 }
 
 fn options(mesh: &Mesh, section: &JointSection) -> Result<SurfaceOptions, Fault> {

@@ -108,7 +108,12 @@ pub(crate) fn compose(
     scene.threads = file.threads.as_ref().map(|threads| threads.get());
     loads::supports(&names, &file.supports, &records, &mut scene)?;
     loads::loads(&names, &file.loads, &mut scene)?;
-    scene.output = output::plan(&names, &file.output, file.time.duration.get())?;
+    scene.output = output::plan(
+        &names,
+        &file.output,
+        &scene.joints,
+        file.time.duration.get(),
+    )?;
     let sections = file.output.sections.iter();
     let sections = sections.map(|section| (section.name.to_string(), section.at.span()));
     scene.places.cuts = sections.collect();
@@ -255,6 +260,13 @@ impl<'m> Names<'m> {
     fn facets(&self, name: &At<String>) -> Result<&'m [Facet], Fault> {
         self.mesh.facet_set(name).map_err(|e| no_such_set(name, e))
     }
+    /// Sees that a node of this number exists.
+    fn node(&self, number: &At<u64>) -> Result<(), Fault> {
+        if self.mesh.node_tags().contains(number) {
+            return Ok(());
+        }
+        Err(no_such_number("node", number))
+    }
     /// Nodes of a node, facet or element set.
     fn nodes(&self, name: &At<String>) -> Result<Vec<u32>, Fault> {
         if let Ok(nodes) = self.mesh.node_set(name) {
@@ -298,6 +310,17 @@ fn no_such_set(name: &At<String>, error: MeshError) -> Fault {
         other => Problem::Refused(other.into()),
     };
     Fault::new(name.span(), problem)
+}
+
+fn no_such_number(what: &'static str, number: &At<u64>) -> Fault {
+    let name = number.to_string();
+    let available = Vec::new();
+    let problem = Problem::NoSuchName {
+        what,
+        name,
+        available,
+    };
+    Fault::new(number.span(), problem)
 }
 
 fn named<'m, T>(

@@ -1,27 +1,40 @@
 //! What a run records.
 
-use powerhouse_explicit_core::observe::{Cut, Motion, Place, SnapshotFields, Spot, StressPlace};
+use powerhouse_explicit_core::observe::{
+    Cut, JointQuantities, Motion, Place, SnapshotFields, Spot, StressPlace,
+};
 use powerhouse_model::Vec3;
 
-use super::{Names, one_of, vector};
+use super::{Names, no_such_number, one_of, vector};
 use crate::fault::{Fault, Problem};
-use crate::format::{At, Finite, History, Output, Positive, Quantity, Section};
-use crate::output::{
-    CutWish, EnvelopeWish, HistoryWish, OutputPlan, RelativeWish, SnapshotWish, StressWish,
+use crate::format::{
+    At, Finite, History, JointHistory, JointQuantity, Output, Positive, Quantity, Section,
 };
+use crate::output::{
+    CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,
+    StressWish,
+};
+use crate::{JointZone, SceneJoint};
 
 /// Looks at the energies during a run, unless the scene says otherwise.
 const ENERGY_LOOKS: f64 = 100.0;
 
-pub(super) fn plan(names: &Names, output: &Output, duration: f64) -> Result<OutputPlan, Fault> {
+pub(super) fn plan(
+    names: &Names,
+    output: &Output,
+    joints: &[SceneJoint],
+    duration: f64,
+) -> Result<OutputPlan, Fault> {
     let mut plan = OutputPlan::default();
     if let Some(every) = output.every {
         plan.every = every.get();
     }
-    let mut used: Vec<&str> = Vec::new();
+    // Every joint has results of its own name.
+    let mut used: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
     let all_names = (output.histories.iter().map(|history| &history.name))
         .chain(output.relative.iter().map(|relative| &relative.name))
-        .chain(output.sections.iter().map(|section| &section.name));
+        .chain(output.sections.iter().map(|section| &section.name))
+        .chain(output.joints.iter().map(|joint| &joint.name));
     for name in all_names {
         if used.contains(&name.as_str()) {
             let (what, name_of) = ("result", name.to_string());
@@ -63,6 +76,9 @@ pub(super) fn plan(names: &Names, output: &Output, duration: f64) -> Result<Outp
     for section in &output.sections {
         plan.cuts.push(cut(names, section)?);
     }
+    for wish in &output.joints {
+        plan.joints.push(joint(names, wish, joints)?);
+    }
     plan.energies = Some(
         output
             .energies
@@ -103,10 +119,10 @@ const MOTION: [Quantity; 3] = [
     Quantity::Acceleration,
 ];
 
-type Quantities = Option<At<Vec<At<Quantity>>>>;
+type Quantities<Q = Quantity> = Option<At<Vec<At<Q>>>>;
 
 /// The quantities that are wanted: some, or the default.
-fn quantities(wanted: &Quantities, default: &[Quantity]) -> Result<Vec<Quantity>, Fault> {
+fn quantities<Q: Copy>(wanted: &Quantities<Q>, default: &[Q]) -> Result<Vec<Q>, Fault> {
     match wanted {
         None => Ok(default.to_vec()),
         Some(wanted) if wanted.is_empty() => Err(Fault::new(
@@ -211,6 +227,51 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
     Ok(())
 }
 
+/// What is wanted of a joint.
+fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<JointWish, Fault> {
+    let of_name = |joint: &&SceneJoint| joint.name == *wish.joint;
+    let Some(joint) = joints.iter().find(of_name) else {
+        let available = joints.iter().map(|joint| joint.name.clone()).collect();
+        let (what, name) = ("joint", wish.joint.to_string());
+        let problem = Problem::NoSuchName {
+            what,
+            name,
+            available,
+        };
+        return Err(Fault::new(wish.joint.span(), problem));
+    };
+    let place = wish.name.span();
+    let zone = match wish.zone() {
+        None => JointZone::All,
+        Some(zone) => super::joints::zone(names, &zone, place.clone())?,
+    };
+    let pairs = zone.pairs(names.mesh, (&joint.name, &joint.surface));
+    pairs.map_err(|error| Fault::refused(place, error))?;
+    let quantities = match &wish.quantities {
+        None => JointQuantities::ALL,
+        Some(_) => {
+            let wanted = quantities(&wish.quantities, &[])?;
+            let has = |quantity| wanted.contains(&quantity);
+            JointQuantities {
+                state: has(JointQuantity::State),
+                slip: has(JointQuantity::Slip),
+                opening: has(JointQuantity::Opening),
+                peak_opening: has(JointQuantity::PeakOpening),
+                traction: has(JointQuantity::Traction),
+                friction: has(JointQuantity::Friction),
+                bond: has(JointQuantity::Bond),
+                impact: has(JointQuantity::Impact),
+            }
+        }
+    };
+    Ok(JointWish {
+        name: wish.name.to_string(),
+        joint: joint.name.clone(),
+        zone,
+        quantities,
+    })
+}
+
 fn motion(quantities: &[Quantity]) -> Motion {
     Motion {
         displacement: quantities.contains(&Quantity::Displacement),
@@ -235,13 +296,10 @@ type Keys<'s> = (
 impl Site<'_> {
     /// The place that one of three keys gives, or which of them are given if it is not one.
     fn place(&self, keys: Keys) -> Result<Result<Place, [bool; 3]>, Fault> {
-        let mesh = self.names.mesh;
         Ok(Ok(match keys {
             (Some(at), None, None) => self.spot(at)?.into(),
             (None, Some(node), None) => {
-                if !mesh.node_tags().contains(node) {
-                    return Err(no_such_number("node", node));
-                }
+                self.names.node(node)?;
                 Place::Node(**node)
             }
             (None, None, Some(set)) => {
@@ -285,17 +343,6 @@ impl Site<'_> {
             None => Ok(()),
         }
     }
-}
-
-fn no_such_number(what: &'static str, number: &At<u64>) -> Fault {
-    let name = number.to_string();
-    let available = Vec::new();
-    let problem = Problem::NoSuchName {
-        what,
-        name,
-        available,
-    };
-    Fault::new(number.span(), problem)
 }
 
 fn cut(names: &Names, section: &Section) -> Result<CutWish, Fault> {

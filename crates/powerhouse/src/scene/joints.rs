@@ -1,34 +1,26 @@
-//! Joints of a scene.
+//! From the joints of a scene to constraints.
 
-use powerhouse_contact::{Joint, JointSurface};
-use powerhouse_model::{ContactLaw, ModelError};
+use powerhouse_contact::Joint;
+use powerhouse_model::Mesh;
 
-/// A joint of a scene, before it becomes part of a constraint.
-pub(crate) struct SceneJoint {
-    pub(crate) name: String,
-    pub(crate) surface: JointSurface,
-    pub(crate) law: Box<dyn ContactLaw>,
-}
-
-/// A joint whose law was chosen by name.
-type NamedJoint = Joint<Box<dyn ContactLaw>>;
+use crate::joint::{NamedJoint, NamedSurface};
+use crate::{Error, SceneJoint};
 
 /// Joints that share nodes, and those nodes.
 type Group = (Vec<u32>, Vec<NamedJoint>);
 
-/// The sides of a joint, by its name.
-pub(crate) type NamedSurface = (String, JointSurface);
-
 /// Constraints of the joints: those that share nodes, directly or by way of others, in one; and the
 /// surfaces by the joints' names.
 pub(super) fn constraints(
+    mesh: &Mesh,
     joints: Vec<SceneJoint>,
-) -> Result<(Vec<NamedJoint>, Vec<NamedSurface>), ModelError> {
+) -> Result<(Vec<NamedJoint>, Vec<NamedSurface>), Error> {
     let mut groups: Vec<Group> = Vec::new();
     let mut surfaces = Vec::with_capacity(joints.len());
-    for SceneJoint { name, surface, law } in joints {
-        let mut nodes: Vec<u32> = surface.pairs.iter().flat_map(|pair| pair.nodes).collect();
-        let mut members = vec![Joint::new(name.clone(), surface.pairs.clone(), law)?];
+    for joint in joints {
+        let (joint, surface) = joint.build(mesh)?;
+        let mut nodes: Vec<u32> = surface.1.pairs.iter().flat_map(|pair| pair.nodes).collect();
+        let mut members = vec![joint];
         let (touching, apart) = (groups.into_iter()).partition::<Vec<_>, _>(|(others, _)| {
             nodes.iter().any(|node| others.binary_search(node).is_ok())
         });
@@ -40,8 +32,9 @@ pub(super) fn constraints(
         nodes.sort_unstable();
         nodes.dedup();
         groups.push((nodes, members));
-        surfaces.push((name, surface));
+        surfaces.push(surface);
     }
     let joined = groups.into_iter().map(|(_, members)| Joint::join(members));
-    Ok((joined.collect::<Result<_, _>>()?, surfaces))
+    let joined = joined.collect::<Result<_, _>>()?;
+    Ok((joined, surfaces))
 }

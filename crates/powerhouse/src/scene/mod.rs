@@ -7,7 +7,6 @@ mod places;
 mod prepare;
 mod surroundings;
 
-pub(crate) use joints::SceneJoint;
 pub(crate) use places::{NOT_AT_REST, Places};
 pub(crate) use prepare::field_motion;
 pub(crate) use surroundings::box_corners;
@@ -26,7 +25,7 @@ use powerhouse_model::{
 use powerhouse_wavefield::TimeHistory;
 
 use crate::output::{OutputPlan, ResultFolder};
-use crate::{Part, Remark, SceneText};
+use crate::{Part, Remark, SceneJoint, SceneText};
 
 /// Where the mesh ends and the ground goes on.
 #[derive(Clone)]
@@ -235,20 +234,10 @@ impl Scene {
         self.weights.push((acceleration, Box::new(history)));
         self
     }
-    /// Adds a joint: sides that are meshed apart or were cut open, and their law. Joints that share
-    /// nodes are solved together.
+    /// Adds a joint; each must have a name of its own. Joints that share nodes are solved together.
     #[must_use]
-    pub fn joint(
-        mut self,
-        name: impl Into<String>,
-        surface: JointSurface,
-        law: impl ContactLaw + 'static,
-    ) -> Self {
-        self.joints.push(SceneJoint {
-            name: name.into(),
-            surface,
-            law: Box::new(law),
-        });
+    pub fn joint(mut self, joint: SceneJoint) -> Self {
+        self.joints.push(joint);
         self
     }
     /// Adds a condition that corrects predicted velocities.

@@ -128,10 +128,10 @@ impl Scene {
         for constraint in self.constraints {
             builder = builder.constraint(constraint);
         }
-        let (joints, surfaces) = constraints(self.joints)?;
+        let (joints, surfaces) = constraints(&self.mesh, self.joints)?;
         observed
             .0
-            .watch_joints(&self.output, surfaces, &mut observed.1)?;
+            .watch_joints(&self.output, &self.mesh, surfaces, &mut observed.1)?;
         for joint in joints {
             builder = builder.constraint(Box::new(joint));
         }

@@ -1,5 +1,7 @@
 //! Scenes from files and from Rust: what they accept, and what runs of them give.
 
+mod joint_output;
+mod joint_starts;
 mod joints;
 mod keys_of_ground;
 mod keys_of_model;

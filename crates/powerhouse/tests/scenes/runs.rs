@@ -199,7 +199,11 @@ fn a_stopped_run_leaves_complete_output() {
     let raised = stop.clone();
     let hooks = RunHooks {
         stop: Some(stop),
-        snapshots: Some(results.snapshots(&mesh).unwrap()),
+        snapshots: Some(
+            results
+                .snapshots(&mesh, simulation.joint_surfaces())
+                .unwrap(),
+        ),
         progress: Some(Box::new(move |progress| {
             if progress.done == 20 {
                 raised.store(true, Ordering::Relaxed);

@@ -1,0 +1,200 @@
+//! Joints of a scene: sides, law, and how they start.
+
+mod preload;
+mod zone;
+
+pub use preload::{GroundStress, Preload};
+pub use zone::JointZone;
+
+use std::collections::HashSet;
+
+use powerhouse_contact::{ContactError, Joint, JointSurface};
+use powerhouse_model::{ContactLaw, JointPair, Mesh, ModelError};
+
+use crate::Error;
+
+/// A joint whose law was chosen by name.
+pub(crate) type NamedJoint = Joint<Box<dyn ContactLaw>>;
+
+/// The sides of a joint, by its name.
+pub(crate) type NamedSurface = (String, JointSurface);
+
+/// The distance of a joint's sides in the state from which displacements are counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum InitialGap {
+    /// None: a small distance of the nodes in the mesh is not one of the sides.
+    #[default]
+    Closed,
+    /// The same at all pairs (m).
+    Distance(f64),
+    /// The distance of the nodes in the mesh, along the normal.
+    Meshed,
+}
+
+/// A joint of a scene: sides that are meshed apart or were cut open, their law, and how they start.
+///
+/// ```
+/// use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
+/// use powerhouse::model::{Mesh, Vec3};
+/// use powerhouse::{JointZone, Preload, SceneJoint};
+/// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(4.0, 4.0, 2.0), [4, 4, 2], "rock")?;
+/// let (lower, upper): (Vec<u32>, Vec<u32>) = (0..32).partition(|&e| mesh.centroid(e).z < 1.0);
+/// let split = mesh.split_between(&lower, &upper)?;
+/// let options = SurfaceOptions::within(1e-6)?;
+/// let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options)?;
+/// let law = BondedCoulomb::new(BondedCoulombParameters {
+///     cohesion: 1.0e6,
+///     tensile_strength: 0.5e6,
+///     static_friction: 0.8,
+///     dynamic_friction: 0.6,
+///     cohesion_loss: true,
+/// })?;
+/// // Pressed together by 0.2 MPa, and cracked already where x < 1 m.
+/// let cracked = JointZone::Box { low: Vec3::zeros(), high: Vec3::new(1.0, 4.0, 2.0) };
+/// let joint = SceneJoint::new("bedding", surface, law)
+///     .preload(Preload::Pressure(0.2e6))
+///     .unbonded(cracked);
+/// # assert_eq!(joint.surface.pairs.len(), 25);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct SceneJoint {
+    /// The name in results.
+    pub name: String,
+    /// The sides.
+    pub surface: JointSurface,
+    /// The law of its tractions.
+    pub law: Box<dyn ContactLaw>,
+    /// The traction in the state from which displacements are counted; none if there is none.
+    pub preload: Option<Preload>,
+    /// The distance of the sides in that state.
+    pub gap: InitialGap,
+    /// Where it starts without the bond that its law gives it.
+    pub unbonded: Vec<JointZone>,
+}
+
+impl SceneJoint {
+    /// A closed joint without preload, as its law starts.
+    pub fn new(
+        name: impl Into<String>,
+        surface: JointSurface,
+        law: impl ContactLaw + 'static,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            surface,
+            law: Box::new(law),
+            preload: None,
+            gap: InitialGap::Closed,
+            unbonded: Vec::new(),
+        }
+    }
+    /// Sets the traction in the state from which displacements are counted. The law sees the sum of
+    /// it and what the motion adds.
+    #[must_use]
+    pub fn preload(mut self, preload: Preload) -> Self {
+        self.preload = Some(preload);
+        self
+    }
+    /// Sets the distance of the sides in that state. A pair apart has neither bond nor preload.
+    #[must_use]
+    pub fn gap(mut self, gap: InitialGap) -> Self {
+        self.gap = gap;
+        self
+    }
+    /// Adds a zone that starts without a bond, as where a joint was cracked before.
+    #[must_use]
+    pub fn unbonded(mut self, zone: JointZone) -> Self {
+        self.unbonded.push(zone);
+        self
+    }
+
+    /// Sees that its pairs can start as they are to.
+    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Error> {
+        let start = self.start(mesh)?;
+        start.joint(mesh, (&self.name, &self.surface), self.law.as_ref())?;
+        Ok(())
+    }
+
+    /// The joint in its initial state, and its sides.
+    pub(crate) fn build(self, mesh: &Mesh) -> Result<(NamedJoint, NamedSurface), Error> {
+        let start = self.start(mesh)?;
+        let joint = start.joint(mesh, (&self.name, &self.surface), self.law)?;
+        Ok((joint, (self.name, self.surface)))
+    }
+
+    fn start(&self, mesh: &Mesh) -> Result<Start, Error> {
+        if let Some(preload) = &self.preload {
+            preload.check()?;
+        }
+        let mut unbonded = HashSet::new();
+        for zone in &self.unbonded {
+            let pairs = zone.pairs(mesh, (&self.name, &self.surface))?;
+            unbonded.extend(pairs.iter().map(|&pair| self.surface.pairs[pair].nodes));
+        }
+        Ok(Start {
+            preload: self.preload,
+            gap: self.gap,
+            unbonded,
+        })
+    }
+}
+
+/// How the pairs of a joint start.
+struct Start {
+    preload: Option<Preload>,
+    gap: InitialGap,
+    /// Nodes of pairs without a bond.
+    unbonded: HashSet<[u32; 2]>,
+}
+
+impl Start {
+    fn joint<L: ContactLaw>(
+        &self,
+        mesh: &Mesh,
+        (name, surface): (&str, &JointSurface),
+        law: L,
+    ) -> Result<Joint<L>, Error> {
+        let positions = mesh.positions();
+        let gap = |pair: &JointPair| match self.gap {
+            InitialGap::Closed => 0.0,
+            InitialGap::Distance(distance) => distance,
+            InitialGap::Meshed => {
+                let [first, second] = pair.nodes.map(|node| positions[node as usize]);
+                (second - first).dot(&pair.normal)
+            }
+        };
+        let build = || -> Result<Joint<L>, ModelError> {
+            let joint = Joint::new(name, surface.pairs.clone(), law)?
+                .with_gaps(gap)?
+                .without_bond(|pair| self.unbonded.contains(&pair.nodes))?;
+            let Some(preload) = &self.preload else {
+                return Ok(joint);
+            };
+            joint.with_preload(|pair| {
+                let position = positions[pair.nodes[0] as usize];
+                preload.traction(&position, &pair.normal)
+            })
+        };
+        build().map_err(|error| of_joint(mesh, name, error))
+    }
+}
+
+/// An error with the joint's name and the user's numbers of the nodes of its pair.
+fn of_joint(mesh: &Mesh, name: &str, error: ModelError) -> Error {
+    let source = match &error {
+        ModelError::Refused { source, .. } => source.downcast_ref::<ContactError>().cloned(),
+        _ => None,
+    };
+    let nodes = source.as_ref().and_then(ContactError::pair);
+    let (Some(source), Some(nodes)) = (source, nodes) else {
+        return error.into();
+    };
+    let [first, second] = nodes.map(|node| mesh.node_tags()[node as usize]);
+    let joint = name.into();
+    Error::Joint {
+        joint,
+        first,
+        second,
+        source,
+    }
+}

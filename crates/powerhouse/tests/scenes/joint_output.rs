@@ -1,0 +1,357 @@
+//! What is recorded of joints: keys and builder alike, and what the columns and files hold.
+
+use powerhouse::engine::observe::JointQuantities;
+use powerhouse::io::read_table;
+use powerhouse::model::{Bond, ContactState, JointRecord, Vec3};
+use powerhouse::{Error, JointWish, JointZone, OutputPlan, ResultFolder, RunHooks, SnapshotWish};
+
+use crate::joints::{JOINT, folder, halves, read, twin};
+use crate::support::*;
+
+/// The halves of the joint, x < 150 m and the rest.
+fn half(low: f64, high: f64) -> JointZone {
+    JointZone::Box {
+        low: Vec3::new(low, 0.0, -151.0),
+        high: Vec3::new(high, 300.0, -149.0),
+    }
+}
+
+/// Every key of a joint's history gives the wish that Rust gives.
+#[test]
+fn wishes() {
+    let folder = folder("joint-wishes");
+    let near = |within| JointZone::Near {
+        position: Vec3::new(150.0, 150.0, -150.0),
+        within,
+    };
+    let all = JointQuantities::ALL;
+    let some = |f: fn(&mut JointQuantities)| {
+        let mut quantities = JointQuantities::default();
+        f(&mut quantities);
+        quantities
+    };
+    for (keys, zone, quantities) in [
+        ("", JointZone::All, all),
+        ("at = [150, 150, -150]", near(1e-3), all),
+        ("at = [150, 150, -150]\nwithin = 3", near(3.0), all),
+        ("node = 172", JointZone::Node(172), all),
+        ("set = \"left\"", JointZone::Set("left".into()), all),
+        (
+            "low = [0, 0, -151]\nhigh = [140, 300, -149]",
+            half(0.0, 140.0),
+            all,
+        ),
+        (
+            "quantities = [\"state\"]",
+            JointZone::All,
+            some(|q| q.state = true),
+        ),
+        (
+            "quantities = [\"slip\"]",
+            JointZone::All,
+            some(|q| q.slip = true),
+        ),
+        (
+            "quantities = [\"opening\"]",
+            JointZone::All,
+            some(|q| q.opening = true),
+        ),
+        (
+            "quantities = [\"peak-opening\"]",
+            JointZone::All,
+            some(|q| q.peak_opening = true),
+        ),
+        (
+            "quantities = [\"traction\"]",
+            JointZone::All,
+            some(|q| q.traction = true),
+        ),
+        (
+            "quantities = [\"friction\"]",
+            JointZone::All,
+            some(|q| q.friction = true),
+        ),
+        (
+            "quantities = [\"bond\"]",
+            JointZone::All,
+            some(|q| q.bond = true),
+        ),
+        (
+            "quantities = [\"impact\", \"slip\"]",
+            JointZone::All,
+            some(|q| (q.impact, q.slip) = (true, true)),
+        ),
+    ] {
+        let history = "[[output.joint]]\nname = \"p\"\njoint = \"bedding\"\n";
+        // A joint's history stands among the other output.
+        let text = format!("{JOINT}\n{history}{keys}\n");
+        let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{keys}: {error}"));
+        let wish = JointWish {
+            name: "p".into(),
+            joint: "bedding".into(),
+            zone,
+            quantities,
+        };
+        assert_eq!(scene.output_plan().joints, [wish], "{keys}");
+        scene
+            .prepare()
+            .unwrap_or_else(|error| panic!("{keys}: {error}"));
+    }
+}
+
+/// A plan that names a joint or pairs which are not there is refused before a run.
+#[test]
+fn wishes_for_nothing_are_refused() {
+    let prepared = |joint: &str, zone: JointZone| {
+        let (mesh, bedding) = twin(&halves());
+        let plan = OutputPlan::default().joint("p", joint, zone, JointQuantities::ALL);
+        let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(bedding);
+        scene.output(plan).prepare().map(|_| ()).unwrap_err()
+    };
+    let error = prepared("seam", JointZone::All);
+    assert!(matches!(error, Error::NoSuchJoint { name } if name == "seam"));
+    let error = prepared("bedding", half(400.0, 500.0));
+    assert!(matches!(error, Error::EmptyZone { .. }), "{error}");
+    // Two results of one name.
+    let (mesh, bedding) = twin(&halves());
+    let plan =
+        OutputPlan::default().joint("bedding", "bedding", JointZone::All, JointQuantities::ALL);
+    let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(bedding);
+    let error = scene.output(plan).prepare().map(|_| ()).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("two results are called 'bedding.sliding'"),
+        "{error}"
+    );
+}
+
+/// The columns of a single pair are what its record says, those of two halves make up the whole, and
+/// the outcomes tell when slip and cracks began; all of it is in the files.
+#[test]
+fn columns_say_what_becomes_of_the_pairs() {
+    let (mesh, joint) = twin(&halves());
+    let pairs = joint.surface.pairs.clone();
+    let mut plan = OutputPlan::default()
+        .joint("west", "bedding", half(0.0, 140.0), JointQuantities::ALL)
+        .joint("east", "bedding", half(140.0, 300.0), JointQuantities::ALL);
+    plan.every = 0.005;
+    for (index, pair) in pairs.iter().enumerate() {
+        let node = JointZone::Node(mesh.node_tags()[pair.nodes[0] as usize]);
+        plan = plan.joint(
+            &format!("pair {index}"),
+            "bedding",
+            node,
+            JointQuantities::ALL,
+        );
+    }
+    let scene = cube_scene_of(mesh, &["lower", "upper"])
+        .joint(joint)
+        .output(plan);
+    let mesh = scene.mesh().clone();
+    let results = run(scene);
+    let last = |name: &str| {
+        let column = results.joint_histories.column(name);
+        *column
+            .unwrap_or_else(|| panic!("{name}"))
+            .values
+            .last()
+            .unwrap()
+    };
+    let table = &results.joints[0];
+    let is = |yes: bool| f64::from(u8::from(yes));
+    for (index, r) in table.records.iter().enumerate() {
+        let of = |quantity: &str| last(&format!("pair {index}.{quantity}"));
+        let JointRecord { state, .. } = r;
+        assert_eq!(of("sliding"), is(state.contact == ContactState::Slide));
+        assert_eq!(of("open"), is(state.contact == ContactState::Open));
+        assert_eq!(of("broken"), is(state.bond == Bond::Broken));
+        assert_eq!((of("slip"), of("opening")), (state.slip, r.opening));
+        assert_eq!(
+            (of("peak_opening"), of("impact")),
+            (r.peak_opening, r.impact)
+        );
+        assert_eq!((of("friction"), of("bond")), (r.friction, r.bond_energy));
+        let shear = r.traction.y.hypot(r.traction.z);
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+        assert!(close(of("normal"), r.traction.x) && close(of("shear"), shear));
+        // Greatest tractions are those of the column, with their times.
+        let column = |quantity: &str| {
+            let name = format!("pair {index}.{quantity}");
+            results
+                .joint_histories
+                .column(&name)
+                .unwrap()
+                .values
+                .clone()
+        };
+        let greatest = column("normal").into_iter().fold(f64::MIN, f64::max);
+        let peak = &table.tractions.greatest_normal;
+        assert!(
+            close(peak.values[index], greatest),
+            "{} {greatest}",
+            peak.values[index]
+        );
+        let row = results
+            .joint_histories
+            .times
+            .iter()
+            .position(|&t| t == peak.times[index]);
+        assert!(close(column("normal")[row.unwrap()], greatest));
+        let least = column("normal").into_iter().fold(f64::MAX, f64::min);
+        assert!(close(table.tractions.least_normal.values[index], least));
+        let shear = column("shear").into_iter().fold(f64::MIN, f64::max);
+        assert!(close(table.tractions.greatest_shear.values[index], shear));
+    }
+    for sum in ["friction", "bond", "impact"] {
+        let [west, east, all] =
+            ["west", "east", "bedding"].map(|name| last(&format!("{name}.{sum}")));
+        assert!(
+            all > 0.0 && (west + east - all).abs() < 1e-12 * all,
+            "{sum}"
+        );
+    }
+    let [west, east, all] = ["west", "east", "bedding"].map(|name| last(&format!("{name}.broken")));
+    // Columns of pairs at 0, 50 and 100 m have 2.5 of 6 parts of the area.
+    assert!((west * 2.5 / 6.0 + east * 3.5 / 6.0 - all).abs() < 1e-12 && all > 0.0);
+    assert_eq!(
+        last("west.slip").max(last("east.slip")),
+        last("bedding.slip")
+    );
+
+    let outcome = |name: &str| {
+        results
+            .joint_outcomes
+            .iter()
+            .find(|o| o.name == name)
+            .unwrap()
+    };
+    let whole = outcome("bedding");
+    assert_eq!((whole.pairs, outcome("west").pairs), (49, 21));
+    assert!((whole.area - 9e4).abs() < 1e-6 && (outcome("west").area - 3.75e4).abs() < 1e-6);
+    let first = |time: fn(&JointRecord) -> Option<f64>| {
+        table.records.iter().filter_map(time).reduce(f64::min)
+    };
+    assert!(whole.first_slip.is_some() && whole.first_slip == first(|r| r.first_slip));
+    assert!(whole.first_crack.is_some() && whole.first_crack == first(|r| r.first_crack));
+    let earliest = outcome("west")
+        .first_slip
+        .unwrap()
+        .min(outcome("east").first_slip.unwrap());
+    assert_eq!(whole.first_slip, Some(earliest));
+    assert!(whole.slipped > 0.0 && whole.slipped <= 1.0 + 1e-12 && whole.opened > 0.0);
+    // What a history of states shows is not before the first time.
+    let times = results.joint_histories.times.iter();
+    let sliding = &results
+        .joint_histories
+        .column("bedding.sliding")
+        .unwrap()
+        .values;
+    let seen = times
+        .zip(sliding)
+        .find(|(_, share)| **share > 0.0)
+        .unwrap()
+        .0;
+    assert!(
+        *seen >= earliest && *seen - earliest < 0.03,
+        "{seen} {earliest}"
+    );
+
+    let folder = Folder::new("joint-columns");
+    let output = ResultFolder::new(&folder.0);
+    let written = output.write(("cube", &mesh), &results, &[], None).unwrap();
+    for name in [
+        "joints.csv",
+        "joints/bedding.vtu",
+        "plots/joint-west.svg",
+        "plots/joint-bedding.svg",
+    ] {
+        assert!(
+            written.contains(&folder.0.join(name)),
+            "{name}: {written:?}"
+        );
+    }
+    let columns = read_table(&folder.0.join("joints.csv")).unwrap();
+    let friction = columns.iter().find(|c| c.name == "west.friction").unwrap();
+    assert_eq!(*friction.values.last().unwrap(), last("west.friction"));
+    let summary = std::fs::read_to_string(folder.0.join("summary.json")).unwrap();
+    for key in [
+        "\"first_slip\"",
+        "\"first_crack\"",
+        "\"west\"",
+        "\"slipped\"",
+    ] {
+        assert!(summary.contains(key), "{key}: {summary}");
+    }
+    let vtu = std::fs::read(folder.0.join("joints/bedding.vtu")).unwrap();
+    let vtu = String::from_utf8_lossy(&vtu);
+    for field in [
+        "greatest normal traction",
+        "time of least normal traction",
+        "time of first crack",
+    ] {
+        assert!(vtu.contains(field), "{field}");
+    }
+    output.clear().unwrap();
+    assert!(!folder.0.join("plots/joint-west.svg").exists());
+}
+
+/// Snapshots hold the facets of the joints beside the body, part by part, and are cleared with them.
+#[test]
+fn snapshots_hold_joints() {
+    let (mesh, joint) = twin(&halves());
+    let mut scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint);
+    let mut plan = scene.output_plan().clone();
+    plan.snapshots = Some(SnapshotWish {
+        fields: Default::default(),
+        every: 0.2,
+    });
+    scene = scene.output(plan);
+    let simulation = scene.prepare().unwrap();
+    let mesh = simulation.mesh().clone();
+    let folder = Folder::new("joint-snapshots");
+    let output = ResultFolder::new(&folder.0);
+    let sink = output
+        .snapshots(&mesh, simulation.joint_surfaces())
+        .unwrap();
+    let hooks = RunHooks {
+        snapshots: Some(sink),
+        ..RunHooks::default()
+    };
+    let results = simulation.run(hooks).unwrap();
+    assert_eq!(results.snapshots, 4);
+    let collection = std::fs::read_to_string(folder.0.join("snapshots.pvd")).unwrap();
+    let entries: Vec<&str> = collection
+        .lines()
+        .filter(|line| line.contains("<DataSet"))
+        .collect();
+    assert_eq!(entries.len(), 8);
+    for (place, entry) in entries.iter().enumerate() {
+        let part = place % 2;
+        assert!(entry.contains(&format!("part=\"{part}\"")), "{entry}");
+        let file = entry
+            .split("file=\"")
+            .nth(1)
+            .unwrap()
+            .split('"')
+            .next()
+            .unwrap();
+        assert_eq!(file.ends_with("_bedding.vtu"), part == 1, "{file}");
+        let vtu = std::fs::read(folder.0.join(file)).unwrap();
+        let vtu = String::from_utf8_lossy(&vtu);
+        let size = if part == 1 {
+            "NumberOfPoints=\"144\" NumberOfCells=\"36\""
+        } else {
+            "NumberOfPoints=\"392\" NumberOfCells=\"216\""
+        };
+        assert!(vtu.contains(size), "{}", &vtu[..400]);
+        assert_eq!(vtu.contains("Name=\"peak opening\""), part == 1);
+    }
+    output.clear().unwrap();
+    assert_eq!(
+        std::fs::read_dir(folder.0.join("snapshots"))
+            .unwrap()
+            .count(),
+        0
+    );
+}
