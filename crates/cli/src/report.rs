@@ -105,6 +105,12 @@ pub(crate) fn check(report: &CheckReport) {
             "  {:<16} {}, {} pairs on {:.2} m2, nodes at most {:.2e} m apart ({first} and {second})",
             joint.name, joint.law, joint.pairs, joint.area, joint.worst_gap
         );
+        println!(
+            "  {:<16} edges from {:.3} m on: slip and opening are small up to about {:.3} m",
+            "",
+            joint.shortest_edge,
+            Results::SMALL_SLIP * joint.shortest_edge
+        );
     }
     println!("\nground motion");
     remarks(&report.remarks);
@@ -155,18 +161,39 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
 pub(crate) fn results(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
     println!("\npeaks\n{}", results.peaks(mesh));
     energies(results);
-    for (joint, share) in results.slip_shares(mesh) {
-        if share > Results::SMALL_SLIP {
-            println!(
-                "\nwarning: joint '{joint}' moved by {share:.2} of its facets' edges; its pairs keep \
-                 their nodes, which holds up to about {:.2}",
-                Results::SMALL_SLIP
-            );
-        }
-    }
+    joints(results);
+    remarks(&results.doubts(mesh));
     println!("\nfiles");
     for file in files {
         println!("  {}", file.display());
+    }
+}
+
+/// What has become of joints.
+fn joints(results: &Results) {
+    let outcomes = &results.joint_outcomes;
+    if !outcomes.is_empty() {
+        println!("\njoints");
+    }
+    let began = |what: &str, share: f64, time: Option<f64>| match time {
+        Some(time) => format!("{:.1} % {what} from {time:.4} s on", 100.0 * share),
+        None => format!("none {what}"),
+    };
+    for outcome in outcomes {
+        println!(
+            "  {:<20} {}, {}; slip {:.3e} m, opening {:.3e} m",
+            outcome.name,
+            began("slid", outcome.slipped, outcome.first_slip),
+            began("opened", outcome.opened, outcome.first_crack),
+            outcome.slip,
+            outcome.peak_opening,
+        );
+    }
+    for joint in results.joints.iter().filter(|joint| joint.most_sweeps > 0) {
+        println!(
+            "  pairs of '{}' that share nodes took {} sweeps at most, the last one changed motion by {:.1e} at most",
+            joint.name, joint.most_sweeps, joint.worst_residual
+        );
     }
 }
 

@@ -40,7 +40,7 @@ pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
     let hooks = RunHooks {
         progress: Some(display.hook()),
         stop: Some(stop),
-        snapshots: Some(folder.snapshots(&mesh)?),
+        snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
         ..RunHooks::default()
     };
     let outcome = simulation.run(hooks);

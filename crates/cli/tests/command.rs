@@ -27,10 +27,14 @@ struct Scene {
 
 impl Scene {
     fn new(name: &str, change: impl Fn(String) -> String) -> Self {
+        Self::of("cavern_small.toml", name, change)
+    }
+    /// Another one of the scenes on the coarse mesh.
+    fn of(file: &str, name: &str, change: impl Fn(String) -> String) -> Self {
         let folder =
             std::env::temp_dir().join(format!("powerhouse-cli-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let scene = std::fs::read_to_string(data("scenes/cavern_small.toml")).unwrap();
+        let scene = std::fs::read_to_string(data("scenes").join(file)).unwrap();
         let path = |file: &str| data(file).canonicalize().unwrap().display().to_string();
         let scene = scene
             .replace(
@@ -41,7 +45,8 @@ impl Scene {
                 "../records/el_centro_1940_ns.csv",
                 &path("records/el_centro_1940_ns.csv"),
             )
-            .replace("duration = 20 ", "duration = 1.0 ");
+            .replace("duration = 20 ", "duration = 1.0 ")
+            .replace("duration = 6  ", "duration = 1.0 ");
         std::fs::write(folder.join("scene.toml"), change(scene)).unwrap();
         Self { folder }
     }
@@ -241,6 +246,59 @@ fn check_tells_by_its_status() {
     });
     let output = powerhouse(&["check", &weak.path()]);
     assert_eq!(output.status.code(), Some(2));
+}
+
+/// `check` lists joints with their law, pairs, area and worst mismatch, and how far they may slip; it
+/// warns where one runs into an absorbing face.
+#[test]
+fn check_lists_joints() {
+    let scene = Scene::of("cavern_joint.toml", "check-joint", |scene| scene);
+    let told = text(&powerhouse(&["check", &scene.path()]).stdout);
+    for passage in [
+        "rock-lining      bonded-coulomb, 262 pairs on 7221.02 m2, nodes at most 0.00e0 m apart",
+        "edges from 1.500 m on: slip and opening are small up to about 0.150 m",
+        "1 warning(s)",
+    ] {
+        assert!(told.contains(passage), "{passage}: {told}");
+    }
+}
+
+/// `run` says what became of the joints and writes it; where they slipped too far for pairs that keep
+/// their nodes it warns.
+#[test]
+fn run_tells_what_became_of_joints() {
+    let scene = Scene::of("cavern_joint.toml", "run-joint", |scene| {
+        scene
+            .replace("self_check = 0.02", "")
+            .replace("= 1.0e6    #", "= 0 #")
+            .replace("cohesion = 1.0e6 ", "cohesion = 0 ")
+            .replace("duration = 1.0 ", "duration = 1.5 ")
+            .replace("peak = 1.7 ", "peak = 100 ")
+    });
+    let output = powerhouse(&["run", &scene.path(), "--out", &scene.out()]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let told = text(&output.stdout);
+    for passage in [
+        "\njoints\n  rock-lining ",
+        "at-crown ",
+        " % slid from ",
+        " % opened from ",
+        "pairs of 'rock-lining' that share nodes took ",
+        "friction ",
+        "impact ",
+        "warning: joint 'rock-lining' moved by ",
+        "joints.csv",
+        "plots/joint-at-crown.svg",
+    ] {
+        assert!(told.contains(passage), "{passage}: {told}");
+    }
+    let file = |name: &str| std::fs::read_to_string(scene.folder.join("out").join(name)).unwrap();
+    assert!(file("snapshots.pvd").contains("_rock-lining.vtu"));
+    let summary = file("summary.json");
+    assert!(
+        summary.contains("\"first_slip\"") && summary.contains("moved by"),
+        "{summary}"
+    );
 }
 
 /// A fault of a scene goes to the error stream with its place, nothing is run; status 2.

@@ -9,7 +9,7 @@ use powerhouse::{Error, Remark, Scene};
 use crate::StudyError;
 use crate::cost::{self, Cost};
 use crate::free_field::FreeFieldCheck;
-use crate::joints::JointOverview;
+use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
 
 /// Above this ratio of longest to shortest edge waves travel at different speeds along and across.
@@ -55,6 +55,24 @@ pub enum Warning {
         /// That frequency (Hz).
         frequency: f64,
     },
+    /// Nodes of a joint that face each other from afar.
+    Mismatch {
+        /// The joint's name.
+        joint: String,
+        /// Their distance (m).
+        distance: f64,
+        /// Their numbers.
+        nodes: [u64; 2],
+        /// The shortest edge of the joint's facets (m).
+        edge: f64,
+    },
+    /// A joint that runs into an absorbing face.
+    JointAtBoundary {
+        /// The joint's name.
+        joint: String,
+        /// How many of its pairs are there.
+        pairs: usize,
+    },
     /// A field that does not move the surface in the time of the run.
     StillField {
         /// The run's duration (s).
@@ -85,6 +103,19 @@ impl fmt::Display for Warning {
             Self::Tetrahedra { set } => write!(
                 f,
                 "'{set}' has four-node tetrahedra: too stiff in bending, and they lock in plastic flow"
+            ),
+            Self::Mismatch {
+                joint,
+                distance,
+                nodes: [first, second],
+                edge,
+            } => write!(
+                f,
+                "nodes {first} and {second} of joint '{joint}' face each other from {distance:.3e} m, its edges are {edge:.3e} m and longer"
+            ),
+            Self::JointAtBoundary { joint, pairs } => write!(
+                f,
+                "{pairs} pairs of joint '{joint}' stand on absorbing faces, behind which the ground has no joint"
             ),
             Self::StillField { duration } => write!(
                 f,
@@ -200,6 +231,7 @@ fn warnings_of(
         warnings.push(Warning::Undriven);
     }
     warnings.extend(resolution::doubts(scene, resolution)?);
+    warnings.extend(joints::doubts(scene)?);
     Ok(warnings)
 }
 

@@ -56,6 +56,14 @@ const ELEMENT_BYTES: [(Precision, f64); 3] = [
 ];
 /// Bytes per absorbing node: its matrices, and its constants of three waves.
 const BOUNDARY_NODE_BYTES: f64 = 600.0;
+/// Bytes per pair of a joint: geometry, record, matrices, and two copies of what is recorded.
+const PAIR_BYTES: f64 = 1500.0;
+/// Columns against time of every joint, and at most of a part of one.
+const OF_EVERY_JOINT: f64 = 8.0;
+const OF_A_JOINT: f64 = 11.0;
+/// Bytes per corner of a facet for its place and its cell, and fields there: in a snapshot, at the end.
+const FACET_BYTES: f64 = 40.0;
+const JOINT_FIELDS: [f64; 2] = [12.0, 18.0];
 /// Bytes per number recorded: it is copied while it is written and drawn.
 const RECORDED_BYTES: f64 = 32.0;
 /// Bytes of the canvas on which a picture is drawn.
@@ -70,6 +78,29 @@ pub(crate) struct Account {
     duration: f64,
     precision: Precision,
     absorbing_nodes: usize,
+    joints: Joints,
+}
+
+/// Sizes of all joints of a scene together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Joints {
+    joints: f64,
+    pairs: f64,
+    /// Corners of facets, each a point in files.
+    corners: f64,
+}
+
+impl Joints {
+    fn of(scene: &Scene) -> Self {
+        let mut sum = Self::default();
+        for (_, surface, _) in scene.joints() {
+            sum.joints += 1.0;
+            sum.pairs += surface.pairs.len() as f64;
+            let corners: usize = surface.facets.iter().map(|facet| facet.nodes.len()).sum();
+            sum.corners += corners as f64;
+        }
+        sum
+    }
 }
 
 impl Account {
@@ -87,6 +118,7 @@ impl Account {
             duration: scene.run_duration(),
             precision: scene.number_format(),
             absorbing_nodes: absorbing.len(),
+            joints: Joints::of(scene),
         })
     }
 
@@ -106,7 +138,8 @@ impl Account {
             + NODE_BYTES * nodes
             + element * elements
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
-            + RECORDED_BYTES * numbers(&self.plan, &self.rows(steps));
+            + PAIR_BYTES * self.joints.pairs
+            + RECORDED_BYTES * self.numbers(steps);
         if let Some(envelope) = &self.plan.envelope {
             // A peak and its time, for each quantity; two quantities of stress.
             let stress = if envelope.stress { 32.0 } else { 0.0 };
@@ -119,14 +152,18 @@ impl Account {
     pub(crate) fn output(&self, steps: u64) -> u64 {
         let (nodes, elements) = self.counts();
         let rows = self.rows(steps);
-        let mut bytes = SUMMARY_BYTES + (CSV_BYTES + PLOT_BYTES) * numbers(&self.plan, &rows);
+        let mut bytes = SUMMARY_BYTES + (CSV_BYTES + PLOT_BYTES) * self.numbers(steps);
+        // The facets of joints at the end.
+        bytes += (FACET_BYTES + 4.0 * JOINT_FIELDS[1]) * self.joints.corners;
         // What does not change is in every file too: positions, numbers, connectivity, sets.
         let sets = self.mesh.element_sets().len() as f64;
         let fixed = 16.0 * nodes + elements * (20.0 + sets / 8.0);
         if let Some(snapshots) = &self.plan.snapshots {
             let stress = if snapshots.fields.stress { 24.0 } else { 0.0 };
             let motion = 12.0 * vectors(snapshots.fields.motion);
-            bytes += (fixed + motion * nodes + stress * elements) * rows.at(snapshots.every);
+            let facets = (FACET_BYTES + 4.0 * JOINT_FIELDS[0]) * self.joints.corners;
+            bytes +=
+                (fixed + motion * nodes + stress * elements + facets) * rows.at(snapshots.every);
         }
         if let Some(envelope) = &self.plan.envelope {
             let (stress, pictures) = if envelope.stress {
@@ -139,6 +176,15 @@ impl Account {
         }
         // What is beyond all bounds becomes the largest number.
         bytes as u64
+    }
+
+    /// Numbers in tables against time, times among them.
+    fn numbers(&self, steps: u64) -> f64 {
+        let rows = self.rows(steps);
+        let watched =
+            OF_EVERY_JOINT * self.joints.joints + OF_A_JOINT * self.plan.joints.len() as f64;
+        let times = if watched > 0.0 { 1.0 } else { 0.0 };
+        numbers(&self.plan, &rows) + (watched + times) * rows.at(self.plan.every)
     }
 
     /// Nodes and elements.
