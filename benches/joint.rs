@@ -1,10 +1,17 @@
-//! The cost of a joint: isolated pairs that slide, stick or open, without an engine around them.
+//! The cost of a joint: isolated pairs that slide, stick or open, without an engine around them and
+//! in whole steps of one.
 //!
-//! `cargo bench --bench joint`; the inverse of the throughput is the time per pair and step.
+//! `cargo bench --bench joint`; the inverse of the throughput is the time per pair and step. In whole
+//! steps it is that of a body that is cut open with the joint, less that of the same body without the
+//! joint: forces and motion of the additional nodes are not the joint's, gathering and scattering is.
+
+use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use powerhouse::contact::{BondedCoulomb, Joint};
-use powerhouse::model::{Constraint, JointPair, Mat3, PredictedMotion, Vec3};
+use powerhouse::contact::{BondedCoulomb, Joint, JointSurface, SurfaceOptions};
+use powerhouse::engine::{BlockOptions, Hex8OnePoint, Leapfrog, Model, SolidKernel};
+use powerhouse::material::{LinearElastic, media};
+use powerhouse::model::{Constraint, JointPair, Mat3, Mesh, PredictedMotion, TimeIntegrator, Vec3};
 
 const PAIRS: u32 = 20_000;
 
@@ -39,5 +46,78 @@ fn pairs(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pairs);
+/// Bricks along each edge of two layers that lie on each other.
+const BRICKS: usize = 100;
+
+/// Two layers of bricks that are cut apart, the sides of the cut, and a motion of all nodes.
+fn layers() -> (Mesh, JointSurface, Vec<Vec3>) {
+    let edge = BRICKS as f64;
+    let size = Vec3::new(edge, edge, 2.0);
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [BRICKS, BRICKS, 2], "rock");
+    let mesh = mesh.expect("a mesh");
+    let elements = 0..mesh.element_count() as u32;
+    let (lower, upper): (Vec<u32>, Vec<u32>) = elements.partition(|&e| mesh.centroid(e).z < 1.0);
+    let split = mesh.split_between(&lower, &upper).expect("two layers");
+    let options = SurfaceOptions::within(1e-6).expect("options");
+    let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options);
+    let noise = |x: &Vec3, k: f64| (12.9898 * x.x + 78.233 * x.y + 37.719 * x.z + k).sin();
+    let of = |x: &Vec3| Vec3::new(noise(x, 0.1), noise(x, 0.7), noise(x, 1.9)) * 1e-4;
+    let motion = split.mesh.positions().iter().map(of).collect();
+    (split.mesh, surface.expect("matching sides"), motion)
+}
+
+fn steps(criterion: &mut Criterion) {
+    let (mesh, surface, velocity) = layers();
+    let rest = vec![Vec3::zeros(); velocity.len()];
+    let model = |joint: Option<Joint<BondedCoulomb>>| {
+        let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
+        let law = LinearElastic::new(media::ROCK);
+        let mut builder = Model::builder(&mesh)
+            .elements("rock", kernel.factory("rock", law, BlockOptions::default()))
+            .threads(1);
+        if let Some(joint) = joint {
+            builder = builder.constraint(Box::new(joint));
+        }
+        let mut model = builder.build().expect("a model");
+        model.set_initial(&rest, &velocity).expect("a motion");
+        model
+    };
+    let joint = |law| Joint::new("joint", surface.pairs.clone(), law).expect("a joint");
+    let pressed = |joint: Joint<BondedCoulomb>| {
+        let joint = joint.with_preload(|pair| pair.normal * -1e8);
+        joint.expect("a pressure")
+    };
+    let friction = |value| BondedCoulomb::unbonded(value, value).expect("a law");
+    let mut group = criterion.benchmark_group("joint/steps");
+    group.throughput(Throughput::Elements(surface.pairs.len() as u64));
+    for (name, joint) in [
+        ("stick", pressed(joint(friction(10.0)))),
+        ("slide", pressed(joint(friction(1e-6)))),
+        (
+            "open",
+            joint(friction(0.5)).with_gaps(|_| 1.0).expect("a gap"),
+        ),
+    ] {
+        let mut models = [model(Some(joint)), model(None)];
+        group.bench_function(name, |bench| {
+            bench.iter_custom(|count| {
+                let mut taken = [Duration::ZERO; 2];
+                for _ in 0..count {
+                    for (model, taken) in models.iter_mut().zip(&mut taken) {
+                        let start = Instant::now();
+                        Leapfrog.step(model, 1e-5).expect("a step");
+                        *taken += start.elapsed();
+                    }
+                }
+                // Noise may make the difference of a few steps negative.
+                taken[0]
+                    .saturating_sub(taken[1])
+                    .max(Duration::from_nanos(count))
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, pairs, steps);
 criterion_main!(benches);

@@ -1,7 +1,10 @@
 //! Long runs at the reported step, and runs just beyond the limit.
 
 use powerhouse_boundary::{AxisParameters, InputMode, ViscousSpring};
-use powerhouse_contact::{TiedPairs, pair_nodes};
+use powerhouse_contact::{
+    BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions, TiedPairs,
+    pair_nodes,
+};
 use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, SolidKernel, StepChoice, run};
 use powerhouse_material_damage::media;
 use powerhouse_model::{ElementKind, Mesh, RunError, Vec3};
@@ -187,5 +190,60 @@ fn ties_cost_no_step() {
         assert_eq!(model.velocity(i), model.velocity(j));
         // The displacements differed by the first step's round-off at most, and stay so.
         assert!((model.displacement(i) - model.displacement(j)).norm() < 1e-15);
+    }
+}
+
+/// A joint costs no step: that of two blocks with any joint between them is the one without, to the
+/// last bit; and at that step a hundred thousand
+/// steps through cracks, slip and impacts stay bounded.
+#[test]
+fn joints_cost_no_step() {
+    let kernel = SolidKernel::Hex8OnePoint(Default::default());
+    let ground = irregular(kernel);
+    let stable = |model: &mut Model| model.stable_step(&Leapfrog).unwrap();
+    let whole = stable(&mut ground.free().build().unwrap());
+    let below = |&e: &u32| e < ground.mesh.element_count() as u32 * 2 / 3;
+    let (lower, upper): (Vec<u32>, Vec<u32>) =
+        (0..ground.mesh.element_count() as u32).partition(below);
+    let split = ground.mesh.split_between(&lower, &upper).unwrap();
+    let options = SurfaceOptions::within(1e-6).unwrap();
+    let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options);
+    let surface = surface.unwrap();
+    let build = |strength: Option<f64>| {
+        let factory = elastic("ground", kernel, media::ROCK, Default::default());
+        let all: Vec<u32> = (0..split.mesh.element_count() as u32).collect();
+        let mut builder = Model::builder(&split.mesh)
+            .elements(all, factory)
+            .threads(1);
+        if let Some(strength) = strength {
+            let law = BondedCoulomb::new(BondedCoulombParameters {
+                cohesion: strength,
+                tensile_strength: strength,
+                static_friction: 0.7,
+                dynamic_friction: 0.5,
+                cohesion_loss: true,
+            });
+            let joint = Joint::new("cut", surface.pairs.clone(), law.unwrap()).unwrap();
+            builder = builder.constraint(Box::new(joint));
+        }
+        builder.build().unwrap()
+    };
+    let open = stable(&mut build(None));
+    assert!(
+        open.step > 0.99 * whole.step,
+        "{} {}",
+        open.step,
+        whole.step
+    );
+    for strength in [0.0, 1e5, f64::INFINITY] {
+        let mut model = build(Some(strength));
+        let found = stable(&mut model);
+        assert_eq!((found.step, found.element), (open.step, open.element));
+        shake(&mut model);
+        run_for(&mut model, 100_000, StepChoice::Stable).unwrap();
+        assert!(fastest(&model) < 20.0, "{strength}: {}", fastest(&model));
+        let joint = model.joints().next().unwrap();
+        let slid = joint.records.iter().any(|r| r.friction > 0.0);
+        assert_eq!(slid, strength < f64::INFINITY);
     }
 }

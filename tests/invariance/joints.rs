@@ -6,17 +6,17 @@ use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
 use powerhouse_explicit_core::{
-    BlockOptions, EnergyCheck, Leapfrog, Model, NodalForce, Rayleigh, RunOptions, SolidKernel,
-    StepChoice, Support, run,
+    BlockOptions, EnergyCheck, Leapfrog, Model, NodalForce, Rayleigh, RunOptions, RunReport,
+    SolidKernel, StepChoice, Support, run,
 };
 use powerhouse_material_damage::media;
-use powerhouse_model::{BoundaryParts, Mat3, Mesh, NodalImpedance, Vec3};
+use powerhouse_model::{BoundaryParts, JointRecord, Mat3, Mesh, NodalImpedance, Vec3};
 use powerhouse_tests::elastic;
 
 /// Two blocks of rock on each other with a bond that cracks and then rubs, dashpots on all nodes of
-/// one side face, Rayleigh damping, pressed together and shaken; the whole of it turned. Returns
-/// displacements turned back.
-fn blocks(turn: &Mat3) -> Vec<Vec3> {
+/// one side face, Rayleigh damping, pressed together and shaken; the whole of it turned. The joint
+/// takes its pairs in their order or backwards.
+fn blocks(turn: &Mat3, backwards: bool) -> Model {
     let size = Vec3::new(2.0, 2.0, 4.0);
     let size_z = size.z;
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [3, 3, 6], "rock").unwrap();
@@ -40,7 +40,11 @@ fn blocks(turn: &Mat3) -> Vec<Vec3> {
         cohesion_loss: true,
     })
     .unwrap();
-    let joint = Joint::new("joint", surface.pairs, law).unwrap();
+    let mut pairs = surface.pairs;
+    if backwards {
+        pairs.reverse();
+    }
+    let joint = Joint::new("joint", pairs, law).unwrap();
     let mut dampers = BoundaryParts::default();
     for (node, p) in straight.iter().enumerate().filter(|(_, p)| p.x == 0.0) {
         let along = (turn * Vec3::new(1.0, 0.4, 0.3)).normalize();
@@ -65,7 +69,7 @@ fn blocks(turn: &Mat3) -> Vec<Vec3> {
         let force = turn * direction * size;
         Box::new(NodalForce::new(level(size_z), force, Box::new(history)))
     };
-    let mut model = Model::builder(&mesh)
+    Model::builder(&mesh)
         .elements("rock", elastic("rock", kernel, media::ROCK, block))
         .boundary(dampers)
         .support(Support::fixed(level(0.0)))
@@ -74,11 +78,20 @@ fn blocks(turn: &Mat3) -> Vec<Vec3> {
         .constraint(Box::new(joint))
         .threads(1)
         .build()
-        .unwrap();
-    let options = RunOptions::steps(2_000)
+        .unwrap()
+}
+
+fn advance(model: &mut Model, steps: u64) -> RunReport {
+    let options = RunOptions::steps(steps)
         .with_step(StepChoice::Fixed(1e-4))
         .with_energy(EnergyCheck::every(20));
-    let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+    run(model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap()
+}
+
+/// Displacements of all nodes after 2000 steps, turned back.
+fn turned_back(turn: &Mat3) -> Vec<Vec3> {
+    let mut model = blocks(turn, false);
+    let report = advance(&mut model, 2_000);
     // The joint has done all that it can, and nothing is lost.
     let energy = |name: &str| report.energies.iter().find(|(n, _)| *n == name).unwrap().1;
     let joints: Vec<_> = model.joints().collect();
@@ -96,7 +109,7 @@ fn blocks(turn: &Mat3) -> Vec<Vec3> {
     assert!(energy("friction") > 0.0 && energy("impact") > 0.0);
     assert!(report.energy_residual < 1e-10, "{}", report.energy_residual);
     let back = turn.transpose();
-    (0..straight.len() as u32)
+    (0..model.mesh().node_count() as u32)
         .map(|node| back * model.displacement(node))
         .collect()
 }
@@ -105,12 +118,87 @@ fn blocks(turn: &Mat3) -> Vec<Vec3> {
 /// cracks, slip, opening and impacts.
 #[test]
 fn a_turned_model_moves_the_same() {
-    let straight = blocks(&Mat3::identity());
+    let straight = turned_back(&Mat3::identity());
     let axis = nalgebra::Unit::new_normalize(Vec3::new(0.3, -0.7, 0.5));
     let turn = nalgebra::Rotation3::from_axis_angle(&axis, 1.1).into_inner();
-    let turned = blocks(&turn);
+    let turned = turned_back(&turn);
     let size = straight.iter().map(|u| u.norm()).fold(0.0, f64::max);
     let differences = straight.iter().zip(&turned).map(|(a, b)| (a - b).norm());
     let worst = differences.fold(0.0, f64::max) / size;
     assert!(worst < 1e-10, "{worst:e}");
+}
+
+/// The records of the joint's pairs in the order of their nodes.
+fn records(model: &Model) -> Vec<([u32; 2], JointRecord)> {
+    let joint = model.joints().next().unwrap();
+    let mut records: Vec<_> = (joint.pairs.iter().map(|pair| pair.nodes))
+        .zip(joint.records.iter().copied())
+        .collect();
+    records.sort_unstable_by_key(|(nodes, _)| *nodes);
+    records
+}
+
+/// A run that is stopped at any step, before or after cracks and slip, and goes on in another model
+/// from its state has the same bits as one that was never stopped, whatever the order of the pairs
+/// there: motion, states, slips, energies and first times of the pairs.
+#[test]
+fn a_joint_goes_on_from_a_state() {
+    let identity = Mat3::identity();
+    let mut whole = blocks(&identity, false);
+    advance(&mut whole, 1_500);
+    let expected = whole.state();
+    assert!(
+        records(&whole)
+            .iter()
+            .any(|(_, r)| r.friction > 0.0 && r.bond_energy > 0.0)
+    );
+    for stop in [0, 1, 400, 1_100] {
+        let mut first = blocks(&identity, false);
+        if stop > 0 {
+            advance(&mut first, stop);
+        }
+        let mut second = blocks(&identity, true);
+        second.set_state(&first.state()).unwrap();
+        advance(&mut second, 1_500 - stop);
+        let found = second.state();
+        assert_eq!(found.displacement, expected.displacement, "{stop}");
+        assert_eq!(found.velocity, expected.velocity, "{stop}");
+        assert_eq!(records(&second), records(&whole), "{stop}");
+    }
+}
+
+/// A body that starts in motion, its sides displaced against each other, sticks where it starts, also
+/// if a state is taken before the first step.
+#[test]
+fn a_state_before_the_first_step_does_not_move_the_joint() {
+    let identity = Mat3::identity();
+    let moved = |model: &mut Model| {
+        let nodes = model.mesh().positions();
+        let sheared = |p: &Vec3| Vec3::new(if p.z > 2.0 { 1e-6 } else { 0.0 }, 0.0, 0.0);
+        let mut displacement: Vec<Vec3> = nodes.iter().map(sheared).collect();
+        // The upper side of the joint moves with its block.
+        let upper: Vec<u32> = model
+            .joints()
+            .flat_map(|j| j.pairs.iter().map(|p| p.nodes[1]))
+            .collect();
+        for node in upper {
+            displacement[node as usize].x = 1e-6;
+        }
+        let still = vec![Vec3::zeros(); displacement.len()];
+        model.set_initial(&displacement, &still).unwrap();
+    };
+    let mut straight = blocks(&identity, false);
+    moved(&mut straight);
+    let state = straight.state();
+    let mut again = blocks(&identity, false);
+    again.set_state(&state).unwrap();
+    for model in [&mut straight, &mut again] {
+        advance(model, 50);
+    }
+    assert_eq!(straight.state(), again.state());
+    for (_, record) in records(&straight) {
+        let [x, y] = record.anchor.unwrap();
+        // Along the tangents of the pair, in whatever direction they point.
+        assert!((x.hypot(y) - 1e-6).abs() < 1e-18, "{x} {y}");
+    }
 }

@@ -1,5 +1,6 @@
 //! What must not change the result.
 
 mod bits;
+mod bonded_cavern;
 mod direction;
 mod joints;
