@@ -1,9 +1,10 @@
-//! The command `powerhouse`: run and check scenes.
+//! The command `powerhouse`: run and check scenes, drive points of their materials.
 //!
 //! Exit status: 0 if all is well, 1 if a check warns, 2 if something is refused or fails, 130 if
 //! a run was interrupted (its output is complete up to there).
 
 mod check;
+mod drive;
 mod progress;
 mod report;
 mod run;
@@ -47,6 +48,19 @@ enum Command {
         #[arg(long)]
         free_field: bool,
     },
+    /// Lead one point of a material along a path of strain and stress.
+    Drive {
+        /// A file with a `[[material]]` table, such as a scene.
+        law: PathBuf,
+        /// The file of the path.
+        path: PathBuf,
+        /// The material's name, where the file has several.
+        #[arg(long, value_name = "NAME")]
+        material: Option<String>,
+        /// The folder for `point.csv` and `point.svg`; `results/` and the path's name by default.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
     /// Print the JSON schema of scene files, for editors.
     Schema,
 }
@@ -72,6 +86,12 @@ fn main() -> ExitCode {
             scene,
             free_field: true,
         } => check::free_field(&scene),
+        Command::Drive {
+            law,
+            path,
+            material,
+            out,
+        } => drive::drive(&law, &path, material.as_deref(), out),
         Command::Schema => {
             println!("{:#}", Registry::default().schema().to_value());
             Ok(ExitCode::SUCCESS)

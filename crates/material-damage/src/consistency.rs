@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use crate::{MohrCoulomb, TwoSurface, YieldSurface};
+use powerhouse_model::ElasticMedium;
+
+use crate::{DruckerPrager, MohrCoulomb, TwoSurface, YieldSurface};
 
 /// Strengths that differ by more than this share are told.
 const NOTABLE: f64 = 0.05;
@@ -22,7 +24,7 @@ pub enum Finding {
         /// The uniaxial tensile stress at which the surface yields (Pa).
         in_force: f64,
     },
-    /// Uniaxial tension yields below the listed tensile strength, though the cut-off is active.
+    /// Uniaxial tension does not yield at the listed tensile strength, though no cut-off is inactive.
     TensileStrength {
         /// The listed strength (Pa).
         listed: f64,
@@ -64,7 +66,7 @@ impl fmt::Display for Finding {
             ),
             Self::TensileStrength { listed, in_force } => write!(
                 f,
-                "uniaxial tension yields at {in_force:.4e} Pa, below the listed {listed:.4e} Pa"
+                "uniaxial tension yields at {in_force:.4e} Pa, not at the listed {listed:.4e} Pa"
             ),
             Self::CompressiveStrength { listed, in_force } => write!(
                 f,
@@ -119,7 +121,7 @@ impl MohrCoulomb {
         {
             findings.push(Finding::CompressiveStrength { listed, in_force });
         }
-        findings.extend(nearly_incompressible(self));
+        findings.extend(Finding::of_medium(&self.medium()));
         findings
     }
 }
@@ -138,12 +140,40 @@ impl TwoSurface {
         let (listed, in_force) = (self.parameters().cohesion, self.cohesion());
         let differs = listed < in_force * (1.0 - NOTABLE);
         let cohesion = differs.then_some(Finding::Cohesion { listed, in_force });
-        let all = cohesion.into_iter().chain(nearly_incompressible(self));
+        let all = cohesion
+            .into_iter()
+            .chain(Finding::of_medium(&self.medium()));
         all.collect()
     }
 }
 
-fn nearly_incompressible(surface: &impl YieldSurface) -> Option<Finding> {
-    let poisson = surface.medium().poisson;
-    (poisson > NEARLY_INCOMPRESSIBLE).then_some(Finding::NearlyIncompressible { poisson })
+impl DruckerPrager {
+    /// What does not fit together, given the strengths in uniaxial tension and compression that the
+    /// material is listed with (Pa), as far as they are.
+    pub fn findings(&self, listed: [Option<f64>; 2]) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        let differs = |listed: f64, in_force: f64| (in_force - listed).abs() > NOTABLE * listed;
+        let in_force = self.uniaxial_tension();
+        if let Some(listed) = listed[0]
+            && differs(listed, in_force)
+        {
+            findings.push(Finding::TensileStrength { listed, in_force });
+        }
+        let in_force = self.uniaxial_compression();
+        if let Some(listed) = listed[1]
+            && differs(listed, in_force)
+        {
+            findings.push(Finding::CompressiveStrength { listed, in_force });
+        }
+        findings.extend(Finding::of_medium(&self.medium()));
+        findings
+    }
+}
+
+impl Finding {
+    /// What is unusual about an elastic medium.
+    pub fn of_medium(medium: &ElasticMedium) -> Option<Self> {
+        let poisson = medium.poisson;
+        (poisson > NEARLY_INCOMPRESSIBLE).then_some(Self::NearlyIncompressible { poisson })
+    }
 }

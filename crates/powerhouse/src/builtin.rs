@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use powerhouse_boundary::{AxisParameters, InputMode, Spreading, Viscous, ViscousSpring};
 use powerhouse_explicit_core::SolidKernel;
-use powerhouse_material_damage::LinearElastic;
+use powerhouse_material_damage::{Finding, LinearElastic};
 use powerhouse_model::{ElasticMedium, ModelError};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -19,7 +19,8 @@ pub(crate) fn register(registry: &mut Registry) {
             elastic.poisson.get(),
             elastic.density.get(),
         )?;
-        Ok(Material::new(LinearElastic::new(medium)))
+        let doubts = Finding::of_medium(&medium);
+        Ok(Material::new(LinearElastic::new(medium)).with_doubts(doubts))
     });
     registry.add_boundary("viscous-spring", |keys: ViscousSpringKeys| {
         Ok(Arc::new(keys.build()?))
@@ -29,6 +30,7 @@ pub(crate) fn register(registry: &mut Registry) {
         Ok(Arc::new(Viscous { input }))
     });
     crate::builtin_joints::register(registry);
+    crate::builtin_laws::register(registry);
     for kernel in SolidKernel::ALL {
         registry.add_kernel(kernel.name(), kernel.into());
     }

@@ -37,6 +37,8 @@
 
 mod builtin;
 mod builtin_joints;
+mod builtin_laws;
+mod drive;
 mod error;
 mod fault;
 pub mod format;
@@ -57,12 +59,13 @@ pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
 pub use powerhouse_wavefield as wavefield;
 
+pub use drive::{PointPath, PointTest};
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use output::{
     CutWish, EnergyResidual, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish,
-    ResultFolder, Results, SnapshotWish, StressWish,
+    ResultFolder, Results, SnapshotWish, StateWish, StressWish,
 };
 pub use part::{Kernel, Material, Part};
 pub use registry::Registry;

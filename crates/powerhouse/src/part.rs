@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use powerhouse_explicit_core::{BlockFactory, BlockOptions, Rayleigh, SolidKernel, solid};
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind, HistoryVariable, LawInput,
-    PointAdapter, PointLaw, Stress,
+    ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind, HistoryVariable, LawEnergy,
+    LawInput, ModelError, PointAdapter, PointLaw, Stress,
 };
 
 /// A constitutive law of any type, so that a model can be composed at run time.
@@ -17,12 +17,41 @@ use powerhouse_model::{
 /// assert_eq!(rock.medium(), media::ROCK);
 /// ```
 #[derive(Clone)]
-pub struct Material(Arc<dyn AnyLaw>);
+pub struct Material {
+    law: Arc<dyn AnyLaw>,
+    doubts: Arc<[String]>,
+}
 
 impl Material {
     /// A material that follows a law.
     pub fn new(law: impl ConstitutiveLaw) -> Self {
-        Self(Arc::new(law))
+        Self {
+            law: Arc::new(law),
+            doubts: Arc::new([]),
+        }
+    }
+    /// The same with what a user should know of its parameters, such as
+    /// [`MohrCoulomb::findings`](powerhouse_material_damage::MohrCoulomb::findings): checks and
+    /// runs warn of it.
+    #[must_use]
+    pub fn with_doubts(mut self, doubts: impl IntoIterator<Item: ToString>) -> Self {
+        self.doubts = doubts.into_iter().map(|doubt| doubt.to_string()).collect();
+        self
+    }
+    /// What a user should know of its parameters.
+    pub fn doubts(&self) -> &[String] {
+        &self.doubts
+    }
+    /// Accepts or refuses elements of a width (m).
+    ///
+    /// # Errors
+    /// Why, with the widths that are permitted.
+    pub fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        self.law.accept_size(size)
+    }
+    /// The history variables of the law.
+    pub fn history(&self) -> &[HistoryVariable] {
+        self.law.history()
     }
     /// A material that follows a law for one point: simpler to write, slower to run.
     pub fn from_point_law(law: impl PointLaw + 'static) -> Self {
@@ -30,15 +59,15 @@ impl Material {
     }
     /// The law's name.
     pub fn name(&self) -> &str {
-        self.0.name()
+        self.law.name()
     }
     /// The elastic medium of the undamaged material.
     pub fn medium(&self) -> ElasticMedium {
-        self.0.medium()
+        self.law.medium()
     }
     /// Whether stress is linear in strain, without history.
     pub fn is_linear(&self) -> bool {
-        self.0.is_linear()
+        self.law.is_linear()
     }
 }
 
@@ -55,6 +84,8 @@ trait AnyLaw: Send + Sync {
     fn is_linear(&self) -> bool;
     fn history(&self) -> &[HistoryVariable];
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
+    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>>;
+    fn accept_size(&self, size: f64) -> Result<(), ModelError>;
     /// Blocks by a kernel that this law was compiled with.
     fn blocks(
         &self,
@@ -80,6 +111,12 @@ impl<T: ConstitutiveLaw> AnyLaw for T {
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
         ConstitutiveLaw::stress_change(self, input, new_history)
     }
+    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
+        ConstitutiveLaw::energy(self, input, new_history)
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        ConstitutiveLaw::accept_size(self, size)
+    }
     fn blocks(
         &self,
         kernel: SolidKernel,
@@ -90,8 +127,8 @@ impl<T: ConstitutiveLaw> AnyLaw for T {
     }
 }
 
-/// Any law as a law for one point, for kernels that it was not compiled with.
-struct OneByOne(Material);
+/// Any law as a law for one point: for kernels that it was not compiled with, and for drivers.
+pub(crate) struct OneByOne(pub(crate) Material);
 
 impl PointLaw for OneByOne {
     fn name(&self) -> &str {
@@ -101,10 +138,16 @@ impl PointLaw for OneByOne {
         self.0.medium()
     }
     fn history(&self) -> &[HistoryVariable] {
-        self.0.0.history()
+        self.0.law.history()
     }
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
-        self.0.0.stress_change(input, new_history)
+        self.0.law.stress_change(input, new_history)
+    }
+    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
+        self.0.law.energy(input, new_history)
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        self.0.law.accept_size(size)
     }
 }
 
@@ -151,7 +194,7 @@ impl Kernel {
         options: BlockOptions,
     ) -> Box<dyn BlockFactory> {
         match &self.0 {
-            AnyKernel::Solid(kernel) => material.0.blocks(*kernel, set, options),
+            AnyKernel::Solid(kernel) => material.law.blocks(*kernel, set, options),
             AnyKernel::Own(kernel) => kernel.blocks(set, material, options),
         }
     }

@@ -61,8 +61,10 @@ impl<T> Entry<T> {
         Self {
             build: Box::new(move |parameters| {
                 build(parameters.decode()?).map_err(|error| {
+                    // Whatever refuses may say by its name which key is at fault.
                     let key = match &error {
                         ModelError::Parameter(parameter) => parameter.name,
+                        ModelError::Refused { part, .. } => part,
                         _ => "",
                     };
                     Fault::refused(parameters.span_of(key), error)
@@ -89,7 +91,9 @@ impl Default for Registry {
 
 impl Registry {
     /// Adds or replaces a constitutive law. `build` makes a material of the keys of a
-    /// `[[material]]` table; the type of its argument says which keys those are.
+    /// `[[material]]` table; the type of its argument says which keys those are. What it refuses is
+    /// shown at the key that [`ParameterError::name`](powerhouse_model::ParameterError::name) or
+    /// the part of [`ModelError::Refused`] names, or at the whole table.
     pub fn add_law<P, F>(&mut self, name: impl Into<String>, build: F)
     where
         P: DeserializeOwned + JsonSchema,

@@ -83,6 +83,20 @@ pub enum Remark {
         /// The part's set.
         set: String,
     },
+    /// A part that is not elastic touches an absorbing face, behind which the free field is.
+    NonlinearRim {
+        /// The part's set.
+        set: String,
+        /// Its law.
+        law: String,
+    },
+    /// What does not fit together in a material.
+    Material {
+        /// The part's set.
+        set: String,
+        /// What is said of it.
+        doubt: String,
+    },
 }
 
 impl Remark {
@@ -91,6 +105,8 @@ impl Remark {
         match self {
             Self::DampedRim { .. }
             | Self::LargeSlip { .. }
+            | Self::NonlinearRim { .. }
+            | Self::Material { .. }
             | Self::UnusedRecord { .. }
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
@@ -196,6 +212,11 @@ impl fmt::Display for Remark {
                 "joint '{joint}' moved by {share:.2} of its facets' edges; its pairs keep their nodes, which holds up to about {:.2}",
                 Results::SMALL_SLIP
             ),
+            Self::NonlinearRim { set, law } => write!(
+                f,
+                "part '{set}' of the law '{law}' touches an absorbing face: the free field is elastic, so what yields there reflects its waves; leave an elastic rim"
+            ),
+            Self::Material { set, doubt } => write!(f, "material of part '{set}': {doubt}"),
             Self::DampedRim { set } => write!(
                 f,
                 "part '{set}' is damped and touches an absorbing face: the free field is elastic, so its waves are reflected there in part; leave an undamped rim"

@@ -10,7 +10,9 @@ use powerhouse_explicit_core::{
     EnergyCheck, Model, Progress, RunFailure, RunOptions, StableStep, StepChoice, run,
     run_reporting,
 };
-use powerhouse_model::{Cadence, IncidentField, Mesh, ModelError, Observer, TimeIntegrator};
+use powerhouse_model::{
+    Cadence, HistoryVariable, IncidentField, Mesh, ModelError, Observer, TimeIntegrator,
+};
 
 use crate::output::{OutputPlan, Recordings, Results};
 use crate::scene::{Places, ResidualLimit, TimeStep, field_motion};
@@ -51,6 +53,8 @@ pub struct Simulation {
     initial: Option<Arc<dyn IncidentField>>,
     plan: OutputPlan,
     observed: (Recordings, Vec<Box<dyn Observer>>),
+    /// What the laws remember.
+    variables: Vec<HistoryVariable>,
     remarks: Vec<Remark>,
 }
 
@@ -62,6 +66,7 @@ impl Simulation {
         source: (Option<Arc<SceneText>>, Places),
         initial: Option<Arc<dyn IncidentField>>,
         (plan, observed): (OutputPlan, (Recordings, Vec<Box<dyn Observer>>)),
+        variables: Vec<HistoryVariable>,
         remarks: Vec<Remark>,
     ) -> Self {
         Self {
@@ -76,6 +81,7 @@ impl Simulation {
             initial,
             plan,
             observed,
+            variables,
             remarks,
         }
     }
@@ -166,7 +172,11 @@ impl Simulation {
             let cadence = Cadence::Seconds(wish.every);
             let sink = Counted(sink, taken.clone());
             let snapshots = Snapshots::new(&self.mesh, wish.fields, cadence, sink);
-            observers.push(Box::new(snapshots.map_err(ModelError::from)?));
+            let mut snapshots = snapshots.map_err(ModelError::from)?;
+            if self.plan.state.snapshots {
+                snapshots = snapshots.with_state(&self.variables);
+            }
+            observers.push(Box::new(snapshots));
         }
         observers.extend(hooks.observers);
         let mut progress = hooks.progress.unwrap_or_else(|| Box::new(|_| {}));

@@ -264,7 +264,7 @@ fn nothing_is_taken_and_ignored() {
         (
             "at = [0, 0, -60]\n",
             "set = \"top\"\nquantities = [\"velocity\", §\"stress\"]\n",
-            "found stress at a node or set",
+            "found stress or state at a node or set",
         ),
         (
             "at = [0, 0, -60]\n",

@@ -38,8 +38,19 @@ fn every_key_is_documented() {
 fn registered_types_bring_their_keys() {
     let schema = schema();
     let laws = &schema["$defs"]["Material"]["properties"]["law"]["enum"];
-    assert_eq!(laws, &serde_json::json!(["elastic"]));
-    let elastic = &schema["$defs"]["Material"]["allOf"][0]["then"]["properties"];
+    let names = [
+        "drucker-prager",
+        "elastic",
+        "mazars",
+        "mohr-coulomb",
+        "plastic-damage",
+        "two-surface",
+    ];
+    assert_eq!(laws, &serde_json::json!(names));
+    let choices = &schema["$defs"]["Material"]["allOf"];
+    let elastic = &choices[1]["then"]["properties"];
+    let damage = &choices[4]["then"]["properties"];
+    assert!(damage["tension"].is_object() && damage["preset"].is_object());
     assert_eq!(elastic["poisson"]["exclusiveMaximum"], 0.5);
     let boundaries = schema["$defs"]["BoundarySection"]["allOf"]
         .as_array()

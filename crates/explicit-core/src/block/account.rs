@@ -1,6 +1,6 @@
 //! Work that no state function gives, booked step by step.
 
-use powerhouse_model::{BlockContext, BlockEnergy, ConstitutiveLaw, ElementKernel, Quad};
+use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, Quad};
 
 use super::Block;
 use super::batches::Batch;
@@ -96,10 +96,9 @@ impl StepSums {
     }
 }
 
-impl<K, M, S, const N: usize, const P: usize> Block<K, M, S, N, P>
+impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
     S: NodeScalar,
 {
     /// Books the work of the step that ends at the context.
@@ -118,7 +117,7 @@ where
         sums: &StepSums,
     ) {
         let damping = self.coefficient(context);
-        if M::LINEAR && damping == 0.0 {
+        if self.is_linear() && damping == 0.0 {
             return;
         }
         let mut account = core::mem::take(&mut self.account);
@@ -138,7 +137,7 @@ where
             account.velocity_energy = energy;
         }
 
-        if !M::LINEAR {
+        if !self.is_linear() {
             if follows {
                 let spent = &mut account.spent;
                 spent.plastic += sums.plastic;
@@ -147,7 +146,7 @@ where
                 let told =
                     sums.stored - account.stored + sums.plastic + sums.damage - sums.recovered;
                 let rest = sums.work - told;
-                if sums.told && self.law.now().relaxes() {
+                if sums.told && self.law.relaxes() {
                     spent.relaxation += rest;
                 } else if sums.told {
                     spent.integration += rest;

@@ -4,14 +4,15 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, ElementBlock, ElementKernel, ElementKind, Geometry,
-    HistoryVariable, Lane, LawInput, ModelError, Stress, Vec3,
+    ConstitutiveLaw, ElasticMedium, ElementBlock, ElementKernel, ElementKind, Geometry, ModelError,
+    Vec3,
 };
 
 use super::Block;
 use super::account::Account;
 use super::frequency::HighestSquares;
 use super::history::History;
+use super::law::{AnyLaw, BatchLaw};
 use super::memory::Places;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
@@ -52,59 +53,57 @@ where
     K: ElementKernel<N, P>,
     M: ConstitutiveLaw,
 {
-    let label = label.into();
-    if const { M::LINEAR } {
-        // All linear laws share one block.
-        return Box::new(Solid::<K, Isotropic, N, P> {
-            label,
-            kernel,
-            law: Isotropic(law.medium()),
-            options,
-        });
+    erased(label, kernel, Erased::new(law), options)
+}
+
+/// A law with its type erased.
+#[derive(Clone)]
+pub(crate) struct Erased {
+    medium: ElasticMedium,
+    /// None for linear laws, of which the medium says everything.
+    law: Option<Arc<dyn AnyLaw>>,
+}
+
+impl Erased {
+    pub(crate) fn new<M: ConstitutiveLaw>(law: M) -> Self {
+        let medium = law.medium();
+        let law: Option<Arc<dyn AnyLaw>> = if const { M::LINEAR } {
+            None
+        } else {
+            Some(Arc::new(law))
+        };
+        Self { medium, law }
     }
-    Box::new(Solid::<K, M, N, P> {
-        label,
+}
+
+/// A factory of solid blocks; compiled once for each kernel.
+pub(crate) fn erased<K, const N: usize, const P: usize>(
+    label: &str,
+    kernel: K,
+    law: Erased,
+    options: BlockOptions,
+) -> Box<dyn BlockFactory>
+where
+    K: ElementKernel<N, P>,
+{
+    Box::new(Solid::<K, N, P> {
+        label: label.into(),
         kernel,
         law,
         options,
     })
 }
 
-/// The law of blocks that need to know of no other.
-#[derive(Clone)]
-pub(crate) struct Isotropic(pub(crate) ElasticMedium);
-
-impl ConstitutiveLaw for Isotropic {
-    const LINEAR: bool = true;
-
-    fn name(&self) -> &str {
-        "isotropic"
-    }
-    fn medium(&self) -> ElasticMedium {
-        self.0
-    }
-    fn history(&self) -> &'static [HistoryVariable] {
-        &[]
-    }
-    #[inline(always)]
-    fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
-        let any = input.strain.0[0];
-        let (lambda, shear) = (self.0.lambda(), self.0.shear());
-        Stress::elastic(any.constant(lambda), any.constant(shear), &input.strain)
-    }
-}
-
-struct Solid<K, M, const N: usize, const P: usize> {
+struct Solid<K, const N: usize, const P: usize> {
     label: Arc<str>,
     kernel: K,
-    law: M,
+    law: Erased,
     options: BlockOptions,
 }
 
-impl<K, M, const N: usize, const P: usize> BlockFactory for Solid<K, M, N, P>
+impl<K, const N: usize, const P: usize> BlockFactory for Solid<K, N, P>
 where
     K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
 {
     fn label(&self) -> &str {
         &self.label
@@ -116,23 +115,33 @@ where
         self.options
     }
     fn build(&self, part: &BlockPart) -> Result<Box<dyn ElementBlock>, ModelError> {
+        let law = self.law.law.clone();
         Ok(match self.options.precision {
-            Precision::F64 => Box::new(self.block::<f64>(part)?),
-            Precision::Mixed | Precision::F32 => Box::new(self.block::<f32>(part)?),
+            Precision::F64 => {
+                let law = law.map(|law| -> Arc<dyn BatchLaw<f64>> { law });
+                Box::new(self.block::<f64>(part, law)?)
+            }
+            Precision::Mixed | Precision::F32 => {
+                let law = law.map(|law| -> Arc<dyn BatchLaw<f32>> { law });
+                Box::new(self.block::<f32>(part, law)?)
+            }
         })
     }
 }
 
-impl<K, M, const N: usize, const P: usize> Solid<K, M, N, P>
+impl<K, const N: usize, const P: usize> Solid<K, N, P>
 where
     K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
 {
-    fn block<S: NodeScalar>(&self, part: &BlockPart) -> Result<Block<K, M, S, N, P>, ModelError> {
+    fn block<S: NodeScalar>(
+        &self,
+        part: &BlockPart,
+        law: Option<Arc<dyn BatchLaw<S>>>,
+    ) -> Result<Block<K, S, N, P>, ModelError> {
         let refused = |error: EngineError| ModelError::refused(self.kernel.name(), error);
         let lanes = Lanes::new(self.options.lanes);
         let arrangement = lanes.arrangement::<S>();
-        let medium = self.law.medium();
+        let medium = self.law.medium;
         let moduli = Moduli {
             lambda: medium.lambda(),
             shear: medium.shear(),
@@ -155,14 +164,16 @@ where
                 self.kernel.geometry(&corners, &mut one);
                 let volume = self.volume(part, mesh_element, &one).map_err(refused)?;
                 size = volume.cbrt();
-                self.law.accept_size(size).map_err(|error| {
-                    refused(EngineError::ElementSize {
-                        element: part.mesh.element_tags()[mesh_element as usize],
-                        set: self.label.to_string(),
-                        size,
-                        reason: error.to_string(),
-                    })
-                })?;
+                if let Some(law) = &law {
+                    law.accept_size(size).map_err(|error| {
+                        refused(EngineError::ElementSize {
+                            element: part.mesh.element_tags()[mesh_element as usize],
+                            set: self.label.to_string(),
+                            size,
+                            reason: error.to_string(),
+                        })
+                    })?;
+                }
                 let shares = self.kernel.node_shares(&corners);
                 let masses = shares.map(|share| share * volume * medium.density);
                 self.check_masses(part, mesh_element, &masses)
@@ -188,6 +199,7 @@ where
             masses.resize(part.elements.len(), mass);
             frequencies.resize(part.elements.len(), frequency);
         }
+        let variables = law.as_ref().map_or(&[][..], |law| law.history());
         let batches = (padded / arrangement.width, arrangement.width);
         Ok(Block {
             label: self.label.clone(),
@@ -206,10 +218,10 @@ where
             active: None,
             reference: None,
             initial: AlignedNumbers::zeros(0),
-            history: History::new(self.law.history(), P, batches),
+            history: History::new(variables, P, batches),
             locals: Locals::default(),
             account: Account::default(),
-            law: Stepping::new(self.law.clone()),
+            law: Stepping::new(law),
         })
     }
 

@@ -1,10 +1,9 @@
 //! Operators in matrix terms: nodal diagonals, and secant and tangent at the present state.
 
-use powerhouse_model::{
-    ConstitutiveLaw, ElementKernel, Geometry, LawInput, Mat3, Operator, Strain, Stress,
-};
+use powerhouse_model::{ElementKernel, Geometry, LawInput, Mat3, Operator, Strain, Stress};
 
 use super::Block;
+use super::law::LawParts;
 use super::transfer::NodeScalar;
 
 /// `d stress / d strain` at a point, rows of stress (Pa).
@@ -28,7 +27,7 @@ fn times(stiffness: &Stiffness, strain: &Strain) -> Stress {
 }
 
 /// The elastic stiffness scaled so that the stress does the same work as the law's.
-fn secant<M: ConstitutiveLaw>(law: &M, input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
+fn secant(law: &(impl LawParts + ?Sized), input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
     let medium = law.medium();
     let (lambda, shear) = (medium.lambda(), medium.shear());
     let elastic = Stress::elastic(lambda, shear, &input.strain).work(&input.strain);
@@ -39,7 +38,7 @@ fn secant<M: ConstitutiveLaw>(law: &M, input: &LawInput<f64>, new: &mut [f64]) -
 }
 
 /// The law's own tangent, or central differences.
-fn tangent<M: ConstitutiveLaw>(law: &M, input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
+fn tangent(law: &(impl LawParts + ?Sized), input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
     if let Some(tangent) = law.tangent(input) {
         return tangent;
     }
@@ -60,10 +59,9 @@ fn tangent<M: ConstitutiveLaw>(law: &M, input: &LawInput<f64>, new: &mut [f64]) 
     stiffness
 }
 
-impl<K, M, S, const N: usize, const P: usize> Block<K, M, S, N, P>
+impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
     S: NodeScalar,
 {
     /// Geometry numbers of one element.
@@ -80,9 +78,10 @@ where
     /// The stiffness at each point of an element under an operator.
     fn stiffness(&self, operator: Operator, element: usize, geometry: &[f64]) -> [Stiffness; P] {
         let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
-        if operator == Operator::Elastic || M::LINEAR {
-            return [elastic; P];
-        }
+        let law = match self.law.of_rest() {
+            Some(law) if operator != Operator::Elastic => law,
+            _ => return [elastic; P],
+        };
         let place = |index, count| self.arrangement.place(element, index, count);
         let nodal = self.places.as_slice()[element]
             .map(|place| self.locals.displacement(place as usize).into());
@@ -102,8 +101,8 @@ where
                 .with_initial(Stress(initial))
                 .with_size(size);
             match operator {
-                Operator::Secant => secant(self.law.of_rest(), &input, &mut new),
-                _ => tangent(self.law.of_rest(), &input, &mut new),
+                Operator::Secant => secant(law, &input, &mut new),
+                _ => tangent(law, &input, &mut new),
             }
         })
     }

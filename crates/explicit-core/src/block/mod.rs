@@ -5,6 +5,7 @@ mod batches;
 mod factory;
 mod frequency;
 mod history;
+mod law;
 mod linearised;
 mod memory;
 mod numbers;
@@ -19,8 +20,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, ConstitutiveLaw, ElementBlock, ElementFault, ElementKernel,
-    FrequencyBound, HistoryField, Mat3, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
+    BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound,
+    HistoryField, Mat3, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
 };
 
 use crate::Rayleigh;
@@ -28,15 +29,16 @@ use crate::lanes::{Arrangement, BatchScalar, Lanes};
 use account::{Account, StepSums};
 use batches::Batches;
 use history::History;
+use law::Memory;
 use memory::Places;
 use numbers::AlignedNumbers;
-use operations::{Books, Elastic, LawState, Material, Memory, Moduli, Rates};
+use operations::{Books, Elastic, LawState, Material, Moduli, Rates};
 use stepping::Stepping;
 use survey::Summary;
 use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
 
 pub use factory::solid;
-pub(crate) use factory::{Isotropic, coordinate_rounding};
+pub(crate) use factory::{Erased, coordinate_rounding, erased};
 
 thread_local! {
     /// Where blocks of linear laws keep their nodes' values while they compute: one piece of memory
@@ -45,10 +47,10 @@ thread_local! {
 }
 
 /// Elements with a kernel of `N` nodes and `P` points and a law, in the scalar `S`.
-struct Block<K, M, S, const N: usize, const P: usize> {
+struct Block<K, S, const N: usize, const P: usize> {
     label: Arc<str>,
     kernel: K,
-    law: Stepping<M>,
+    law: Stepping<S>,
     moduli: Moduli,
     damping: Rayleigh,
     lanes: Lanes,
@@ -76,10 +78,9 @@ struct Block<K, M, S, const N: usize, const P: usize> {
     account: Account<S>,
 }
 
-impl<K, M, S, const N: usize, const P: usize> Block<K, M, S, N, P>
+impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
     S: NodeScalar,
 {
     fn batches(&self) -> Batches<'_, S, N> {
@@ -97,6 +98,10 @@ where
             initial: self.initial.as_slice(),
             size: self.sizes.as_slice(),
         }
+    }
+
+    fn is_linear(&self) -> bool {
+        self.law.of_rest().is_none()
     }
 
     fn coefficient(&self, context: &BlockContext) -> f64 {
@@ -139,8 +144,8 @@ where
         }
         out.fill(Quad::default());
         let damped = damping != 0.0;
-        let moves = damped || (booked.is_some() && !M::LINEAR);
-        let mut locals = if M::LINEAR {
+        let moves = damped || (booked.is_some() && !self.is_linear());
+        let mut locals = if self.is_linear() {
             SCRATCH.take()
         } else {
             core::mem::take(&mut self.locals)
@@ -150,7 +155,7 @@ where
         if moves {
             copy_nodes(velocity, &self.nodes, &mut local.velocity);
         }
-        if M::LINEAR && damped {
+        if self.is_linear() && damped {
             for (value, &rate) in local.displacement.iter_mut().zip(&local.velocity) {
                 *value = sum(*value, rate, damping);
             }
@@ -160,7 +165,7 @@ where
                 *value = difference(*value, from);
             }
         }
-        let finite = if M::LINEAR {
+        let finite = if self.is_linear() {
             self.elastic(&local.displacement, Some(out), None)
         } else {
             let numbers = self.places.as_slice().len() * P * 6;
@@ -181,7 +186,7 @@ where
             (self.account, self.history) = (account, history);
             finite
         };
-        if M::LINEAR {
+        if self.is_linear() {
             SCRATCH.set(locals);
         } else {
             self.locals = locals;
@@ -216,9 +221,13 @@ where
         out: Option<&mut [Quad<A>]>,
         survey: Option<&mut [Summary]>,
     ) -> bool {
-        let operation = Material::<K, M, A, S, N, P> {
+        let Some(law) = self.law.now() else {
+            return self.elastic(nodes, out, survey);
+        };
+        let operation = Material::<K, A, S, N, P> {
             kernel: &self.kernel,
-            law: self.law.now(),
+            law,
+            lanes: self.lanes,
             batches: self.batches(),
             moduli: self.moduli,
             state: self.law_state(),
@@ -245,7 +254,7 @@ where
     /// What is known of each element at a displacement since the reference (by place), under the
     /// committed history.
     fn survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
-        if M::LINEAR {
+        if self.is_linear() {
             return self.elastic_survey(nodes);
         }
         let mut survey = vec![Summary::default(); self.elements.len()];
@@ -316,7 +325,7 @@ where
 
     fn apply_to<A: NodeScalar>(&self, operator: Operator, x: &[Quad<A>], out: &mut [Quad<A>]) {
         out.fill(Quad::default());
-        if operator == Operator::Elastic || M::LINEAR {
+        if operator == Operator::Elastic || self.is_linear() {
             if const { size_of::<A>() < size_of::<S>() } {
                 let double = |value: &Quad<A>| Quad::from_vector(&value.to_vector());
                 let x: Vec<Quad<f64>> = x.iter().map(double).collect();
@@ -364,10 +373,9 @@ fn by_place(nodes: &[u32], view: NodalView) -> Vec<Quad<f64>> {
 /// Views of one call that differ in storage are a fault of the engine's author.
 const ONE_STORAGE: &str = "all nodal views of one call have the same storage";
 
-impl<K, M, S, const N: usize, const P: usize> ElementBlock for Block<K, M, S, N, P>
+impl<K, S, const N: usize, const P: usize> ElementBlock for Block<K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
     S: NodeScalar,
 {
     fn label(&self) -> &str {
@@ -438,7 +446,7 @@ where
         self.account.rest();
     }
     fn set_initial_stress(&mut self, stress: &[Stress]) {
-        if M::LINEAR {
+        if self.is_linear() {
             // The change of stress of a linear law does not depend on where it starts.
             return;
         }

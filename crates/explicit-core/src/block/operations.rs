@@ -1,17 +1,15 @@
 //! What a block does to all of its batches at a step.
 
-use powerhouse_model::{
-    ConstitutiveLaw, ElementKernel, Geometry, LawEnergy, LawInput, Quad, Strain, Stress,
-};
+use powerhouse_model::{ElementKernel, Geometry, LawEnergy, Quad, Strain, Stress};
 
 use super::account::StepSums;
 use super::batches::Batches;
-use super::history::History;
+use super::law::{BatchLaw, Memory, PointNumbers, Question};
 use super::survey::{
     Summary, complementary_energy, each_lane, linear_energy, step_work, write_mean,
 };
 use super::transfer::{gather, scatter};
-use crate::lanes::{BatchLane, BatchOperation, BatchScalar, MOST_LANES};
+use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 
 /// Elastic constants of the undamaged material (Pa).
 #[derive(Clone, Copy, Debug)]
@@ -119,24 +117,6 @@ pub(super) struct LawState<'a, S> {
     pub(super) size: &'a [S],
 }
 
-/// What is done with the history.
-pub(super) enum Memory<'a, S> {
-    /// The committed one stays the only one.
-    Read(&'a History<S>),
-    /// The new one is kept beside it.
-    Write(&'a mut History<S>),
-}
-
-impl<S> Memory<'_, S> {
-    #[inline(always)]
-    fn get(&self) -> &History<S> {
-        match self {
-            Self::Read(history) => history,
-            Self::Write(history) => history,
-        }
-    }
-}
-
 /// Velocities, for damping and for the work of a step.
 pub(super) struct Rates<'a, A: BatchScalar, S> {
     /// By place (m/s).
@@ -158,9 +138,10 @@ pub(super) struct Books<'a, S> {
 }
 
 /// Forces of a law that is not linear; yields whether all is finite.
-pub(super) struct Material<'a, K, M, A: BatchScalar, S, const N: usize, const P: usize> {
+pub(super) struct Material<'a, K, A: BatchScalar, S, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
-    pub(super) law: &'a M,
+    pub(super) law: &'a dyn BatchLaw<S>,
+    pub(super) lanes: Lanes,
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
     pub(super) state: LawState<'a, S>,
@@ -173,11 +154,9 @@ pub(super) struct Material<'a, K, M, A: BatchScalar, S, const N: usize, const P:
     pub(super) survey: Option<&'a mut [Summary]>,
 }
 
-impl<K, M, A, S, const N: usize, const P: usize> BatchOperation<S>
-    for Material<'_, K, M, A, S, N, P>
+impl<K, A, S, const N: usize, const P: usize> BatchOperation<S> for Material<'_, K, A, S, N, P>
 where
     K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
     A: BatchScalar,
     S: BatchScalar,
 {
@@ -188,8 +167,12 @@ where
         let mut rows = Turned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
-        let blank = vec![L::splat(token, 0.0); self.history.get().variables()];
-        let (mut old, mut new) = (blank.clone(), blank.clone());
+        let zero = S::default();
+        let mut numbers = Turned(Passed {
+            strains: [[[zero; MOST_LANES]; 6]; P],
+            stresses: [[[zero; MOST_LANES]; 6]; P],
+            energies: [[[zero; MOST_LANES]; 4]; P],
+        });
         let wants_energy = self.survey.is_some()
             || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
         let nodes = self.batches.places.over(self.nodes);
@@ -201,14 +184,8 @@ where
             gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
             let mut modes = self.kernel.modes(&nodal);
             let strains = self.kernel.strains(geometry, &modes);
-            let mut energies = None;
-            let mut stresses = self.ask::<L>(
-                token,
-                index,
-                &strains,
-                (&blank, &mut old, &mut new),
-                wants_energy.then_some(&mut energies),
-            );
+            let (mut stresses, energies) =
+                self.ask::<L>(token, index, &strains, wants_energy, &mut numbers.0);
             if let (Memory::Write(history), true) = (&mut self.history, batch.active.is_some()) {
                 for lane in 0..L::WIDTH {
                     if !batch.has(batch.arrangement.element_in[lane]) {
@@ -274,9 +251,15 @@ where
     }
 }
 
-impl<K, M, A, S, const N: usize, const P: usize> Material<'_, K, M, A, S, N, P>
+/// What passes between kernel and law.
+struct Passed<S, const P: usize> {
+    strains: [PointNumbers<S, 6>; P],
+    stresses: [PointNumbers<S, 6>; P],
+    energies: [PointNumbers<S, 4>; P],
+}
+
+impl<K, A, S, const N: usize, const P: usize> Material<'_, K, A, S, N, P>
 where
-    M: ConstitutiveLaw,
     A: BatchScalar,
     S: BatchScalar,
 {
@@ -288,47 +271,43 @@ where
         token: L::Token,
         index: usize,
         strains: &[Strain<L>; P],
-        (blank, old, new): (&[L], &mut [L], &mut [L]),
-        mut energies: Option<&mut Option<[LawEnergy<L>; P]>>,
-    ) -> [Stress<L>; P] {
-        let state = &self.state;
-        let mut initial = Stress::zero(token);
-        if !state.initial.is_empty() {
-            for i in 0..6 {
-                initial.0[i] = L::load(token, &state.initial[(6 * index + i) * L::WIDTH..]);
-            }
-        }
-        let size = L::load(token, &state.size[index * L::WIDTH..]);
-        let mut stresses = [initial; P];
-        if let Memory::Write(history) = &mut self.history {
-            history.retry(index);
-        }
+        wants_energy: bool,
+        passed: &mut Passed<S, P>,
+    ) -> ([Stress<L>; P], Option<[LawEnergy<L>; P]>) {
+        let initial = self.state.initial;
         for p in 0..P {
-            let committed = self.history.get().committed(index);
-            let before: &[L] = match committed {
-                Some(numbers) => {
-                    let variables = old.len();
-                    for h in 0..variables {
-                        old[h] = L::load(token, &numbers[(p * variables + h) * L::WIDTH..]);
-                    }
-                    old
-                }
-                None => blank,
-            };
-            let input = LawInput::new(strains[p], before)
-                .with_initial(initial)
-                .with_size(size);
-            stresses[p] = self.law.stress_change(&input, new);
-            if let Some(energies) = &mut energies
-                && let Some(energy) = self.law.energy(&input, new)
-            {
-                energies.get_or_insert([energy; P])[p] = energy;
-            }
-            if let Memory::Write(history) = &mut self.history {
-                history.take(index, p, before, new);
+            for i in 0..6 {
+                strains[p].0[i].store(&mut passed.strains[p][i]);
             }
         }
-        stresses
+        let told = self.law.answer(
+            self.lanes,
+            Question {
+                batch: index,
+                strains: &passed.strains,
+                initial: (!initial.is_empty()).then(|| &initial[6 * index * L::WIDTH..]),
+                sizes: &self.state.size[index * L::WIDTH..],
+                memory: &mut self.history,
+                stresses: &mut passed.stresses,
+                energies: wants_energy.then_some(&mut passed.energies),
+            },
+        );
+        let mut stresses = [Stress::zero(token); P];
+        for p in 0..P {
+            for i in 0..6 {
+                stresses[p].0[i] = L::load(token, &passed.stresses[p][i]);
+            }
+        }
+        let energy = |numbers: &PointNumbers<S, 4>| LawEnergy {
+            stored: L::load(token, &numbers[0]),
+            plastic: L::load(token, &numbers[1]),
+            damage: L::load(token, &numbers[2]),
+            recovered: L::load(token, &numbers[3]),
+        };
+        (
+            stresses,
+            told.then(|| passed.energies.each_ref().map(energy)),
+        )
     }
 }
 

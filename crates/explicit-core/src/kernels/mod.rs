@@ -15,10 +15,10 @@ pub use hex8_one_point::Hex8OnePoint;
 pub use tet4::Tet4;
 pub use wedge6::Wedge6;
 
-use powerhouse_model::{ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind};
+use powerhouse_model::{ConstitutiveLaw, ElementKernel, ElementKind};
 
-use crate::block::Isotropic;
-use crate::{BlockFactory, BlockOptions, solid};
+use crate::block::{Erased, erased};
+use crate::{BlockFactory, BlockOptions};
 
 /// The kernels of this crate, by name.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,36 +79,19 @@ impl SolidKernel {
         law: M,
         options: BlockOptions,
     ) -> Box<dyn BlockFactory> {
-        if const { M::LINEAR } {
-            return self.linear_factory(label, law.medium(), options);
-        }
-        self.factory_of(label, law, options)
+        self.erased(label, Erased::new(law), options)
     }
 
-    /// Blocks of linear laws are compiled here, once, and in no crate that uses this one.
-    fn linear_factory(
-        self,
-        label: &str,
-        medium: ElasticMedium,
-        options: BlockOptions,
-    ) -> Box<dyn BlockFactory> {
-        self.factory_of(label, Isotropic(medium), options)
-    }
-
-    fn factory_of<M: ConstitutiveLaw>(
-        self,
-        label: &str,
-        law: M,
-        options: BlockOptions,
-    ) -> Box<dyn BlockFactory> {
+    /// Blocks are compiled here, once, and in no crate that uses this one.
+    fn erased(self, label: &str, law: Erased, options: BlockOptions) -> Box<dyn BlockFactory> {
         match self {
             Self::Hex8OnePoint(kernel) => {
                 parallelepiped::one_point_bricks(label, kernel, law, options)
             }
-            Self::Hex8Full => solid(label, Hex8Full, law, options),
-            Self::Hex8BBar => solid(label, Hex8BBar, law, options),
-            Self::Tet4 => solid(label, Tet4, law, options),
-            Self::Wedge6 => solid(label, Wedge6, law, options),
+            Self::Hex8Full => erased(label, Hex8Full, law, options),
+            Self::Hex8BBar => erased(label, Hex8BBar, law, options),
+            Self::Tet4 => erased(label, Tet4, law, options),
+            Self::Wedge6 => erased(label, Wedge6, law, options),
         }
     }
 }

@@ -1,15 +1,15 @@
 //! The one-point brick whose opposite sides are parallel.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElementBlock, ElementKernel, ElementKind, Geometry, Lane, ModelError, Strain,
-    Stress, Vec3,
+    ElementBlock, ElementKernel, ElementKind, Geometry, Lane, ModelError, Strain, Stress, Vec3,
 };
 
 use super::hex8_one_point::Hex8OnePoint;
 use super::hexahedron;
 use super::vectors::{dot, linear_gradients, outer_sum, scaled, strain_of, uniform_forces};
 use crate::block::coordinate_rounding;
-use crate::{BlockFactory, BlockOptions, BlockPart, solid};
+use crate::block::{Erased, erased};
+use crate::{BlockFactory, BlockOptions, BlockPart};
 
 /// Behind `g_k / V` of the linear modes.
 const VOLUME: usize = 9;
@@ -116,15 +116,15 @@ struct ByShape {
 }
 
 /// A factory of one-point bricks that takes the shorter arithmetic where the shapes permit.
-pub(super) fn one_point_bricks<M: ConstitutiveLaw>(
+pub(super) fn one_point_bricks(
     label: &str,
     kernel: Hex8OnePoint,
-    law: M,
+    law: Erased,
     options: BlockOptions,
 ) -> Box<dyn BlockFactory> {
     Box::new(ByShape {
-        general: solid(label, kernel, law.clone(), options),
-        parallelepiped: solid(label, Parallelepiped(kernel), law, options),
+        general: erased(label, kernel, law.clone(), options),
+        parallelepiped: erased(label, Parallelepiped(kernel), law, options),
     })
 }
 

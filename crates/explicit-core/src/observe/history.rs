@@ -1,6 +1,8 @@
 //! Motion and stress against time.
 
-use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Stress, Vec3};
+use powerhouse_model::{
+    Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, StepView, Stress, Vec3,
+};
 
 use super::place::{Probe, elements, probes};
 use super::{
@@ -15,7 +17,8 @@ use super::{
 /// first; with displacements comes `crown.apart` (m), its component along the line from the first
 /// place to the second, positive when they part. Columns of a stress called `lining` are
 /// `lining.xx`, `.yy`, `.zz`, `.xy`, `.yz`, `.zx` and the principal stresses `lining.s1` >=
-/// `lining.s2` >= `lining.s3` (Pa, the change of stress, mean over the element).
+/// `lining.s2` >= `lining.s3` (Pa, the change of stress, mean over the element). Columns of a state
+/// called `lining` are the history variables of the element's law, `lining.damage` and so on.
 ///
 /// Memory: 8 bytes per column and row.
 ///
@@ -63,6 +66,11 @@ enum Channel {
     Stress {
         name: String,
         element: usize,
+    },
+    State {
+        name: String,
+        element: usize,
+        variables: Vec<HistoryVariable>,
     },
 }
 
@@ -117,12 +125,34 @@ impl HistoryBuilder {
         self.stress_places.push((name.into(), place.into()));
         self
     }
-    /// Finds all places in the mesh.
+    /// Adds what the law of an element remembers.
+    #[must_use]
+    pub fn state(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
+        self.channels.push(Channel::State {
+            name: name.into(),
+            element: self.stress_places.len(),
+            variables: Vec::new(),
+        });
+        self.stress_places.push((name.into(), place.into()));
+        self
+    }
+    /// Finds all places in the mesh; no law is known to remember anything.
+    ///
+    /// # Errors
+    /// As [`build_with`](Self::build_with).
+    pub fn build(self, mesh: &Mesh) -> Result<History, ObserveError> {
+        self.build_with(mesh, |_| Vec::new())
+    }
+    /// Finds all places in the mesh, given the history variables of the law of each element.
     ///
     /// # Errors
     /// A place or set that does not exist, a name that stands twice, a cadence or tolerance out of
     /// range.
-    pub fn build(mut self, mesh: &Mesh) -> Result<History, ObserveError> {
+    pub fn build_with(
+        mut self,
+        mesh: &Mesh,
+        variables_of: impl Fn(u32) -> Vec<HistoryVariable>,
+    ) -> Result<History, ObserveError> {
         check_cadence(self.cadence)?;
         let probes = probes(mesh, &self.places)?;
         let elements = elements(mesh, &self.stress_places)?;
@@ -138,6 +168,12 @@ impl HistoryBuilder {
                 let at = |probe: usize| probes[probe].value(|n| mesh.positions()[n as usize]);
                 let line = at(*to) - at(*from);
                 *direction = line.try_normalize(0.0).unwrap_or_default();
+            }
+            if let Channel::State {
+                element, variables, ..
+            } = channel
+            {
+                *variables = variables_of(elements[*element]);
             }
             for (name, unit) in channel.columns() {
                 table.add_column(name, unit)?;
@@ -181,13 +217,18 @@ impl Channel {
             Self::Stress { name, .. } => ["xx", "yy", "zz", "xy", "yz", "zx", "s1", "s2", "s3"]
                 .map(|component| (format!("{name}.{component}"), "Pa"))
                 .into(),
+            Self::State {
+                name, variables, ..
+            } => (variables.iter())
+                .map(|variable| (format!("{name}.{}", variable.name), variable.unit))
+                .collect(),
         }
     }
 
     fn motion(&self) -> Motion {
         match self {
             Self::Motion { motion, .. } | Self::Relative { motion, .. } => *motion,
-            Self::Stress { .. } => Motion::default(),
+            Self::Stress { .. } | Self::State { .. } => Motion::default(),
         }
     }
 }
@@ -201,6 +242,10 @@ impl History {
             stress_places: Vec::new(),
             channels: Vec::new(),
         }
+    }
+    /// Whether it has nothing to record.
+    pub fn is_empty(&self) -> bool {
+        self.channels.is_empty()
     }
     /// The table that the history fills.
     pub fn recording(&self) -> Recording<HistoryTable> {
@@ -233,7 +278,7 @@ impl Observer for History {
     fn fields(&self) -> Fields {
         Fields {
             acceleration: self.channels.iter().any(|c| c.motion().acceleration),
-            stress: !self.elements.is_empty(),
+            stress: (self.channels.iter()).any(|c| matches!(c, Channel::Stress { .. })),
             ..Fields::default()
         }
     }
@@ -268,6 +313,13 @@ impl Observer for History {
                     let stress: Stress = view.stress(self.elements[*element]);
                     self.row.extend_from_slice(&stress.0);
                     self.row.extend_from_slice(&principal_stresses(&stress));
+                }
+                Channel::State {
+                    element, variables, ..
+                } => {
+                    let element = self.elements[*element];
+                    let values = variables.iter().map(|v| view.history(element, v.name));
+                    self.row.extend(values.map(|value| value.unwrap_or(0.0)));
                 }
             }
         }

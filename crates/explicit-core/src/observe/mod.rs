@@ -7,6 +7,7 @@
 //! | [`SectionForces`] | normal force, shears and moments of cuts through linings and pillars | 8 bytes a column and row; 144 a node and 288 an element of the cut |
 //! | [`Envelope`] | largest motion of nodes, greatest and least principal stress of elements, with their times | 16 bytes a node and kind of motion, 32 an element |
 //! | [`JointHistories`] | state, slip, opening, tractions and energies of joints, and their pairs as they were last | 8 bytes a column and row, 350 a pair |
+//! | [`StatePeaks`] | the greatest of what laws remember, with its time | 16 bytes an element and amount |
 //! | [`Snapshots`] | nothing: hands whole fields to a [`SnapshotSink`] | one copy of each field wanted |
 //!
 //! An observer goes into the run and is lost to its maker; what it collects is read through a
@@ -31,6 +32,7 @@ mod principal;
 mod recording;
 mod section;
 mod snapshots;
+mod state;
 mod table;
 
 pub use energy::EnergyHistory;
@@ -47,6 +49,7 @@ pub use principal::principal_stresses;
 pub use recording::Recording;
 pub use section::{Cut, CutSource, SectionForces, SectionGeometry};
 pub use snapshots::{Snapshot, SnapshotFields, SnapshotSink, Snapshots};
+pub use state::{StatePeaks, StateTable};
 pub use table::{Column, HistoryTable};
 
 use powerhouse_model::{Cadence, ParameterError};

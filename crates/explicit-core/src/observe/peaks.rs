@@ -4,7 +4,7 @@ use core::fmt;
 
 use powerhouse_model::Mesh;
 
-use super::{EnvelopeTable, HistoryTable, PeakField};
+use super::{EnvelopeTable, HistoryTable, PeakField, StateTable};
 
 /// Where a peak occurred, by the user's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +122,20 @@ impl PeakTable {
             -1.0,
             element,
         );
+    }
+
+    /// Adds the greatest of what laws remember, where it is above zero.
+    ///
+    /// # Panics
+    /// If the table is of another mesh, with more elements.
+    pub fn add_state(&mut self, table: &StateTable, mesh: &Mesh) {
+        let element =
+            |index: usize| PeakPlace::Element(mesh.element_tags()[table.elements[index] as usize]);
+        for (variable, field) in &table.peaks {
+            if field.values.iter().any(|value| *value > 0.0) {
+                self.add_extreme(variable.name.into(), variable.unit, field, 1.0, element);
+            }
+        }
     }
 
     /// Adds the greatest of the values times a sign.

@@ -3,7 +3,8 @@
 use std::error::Error;
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, JointView, Mesh, ModelError, Observer, StepView, Stress, Vec3,
+    Cadence, Fields, Flow, HistoryVariable, JointView, Mesh, ModelError, Observer, StepView,
+    Stress, Vec3,
 };
 
 use super::{Motion, ObserveError, check_cadence};
@@ -37,6 +38,8 @@ pub struct Snapshot<'a> {
     pub stress: &'a [Stress],
     /// The joints of the body.
     pub joints: &'a [JointView<'a>],
+    /// History variables of laws with one value per mesh element, zero where a law has none.
+    pub state: &'a [(HistoryVariable, Vec<f64>)],
 }
 
 /// Takes snapshots, such as a writer of files. A closure is one too.
@@ -102,6 +105,7 @@ pub struct Snapshots {
     velocity: Vec<Vec3>,
     acceleration: Vec<Vec3>,
     stress: Vec<Stress>,
+    state: Vec<(HistoryVariable, Vec<f64>)>,
     sink: Box<dyn SnapshotSink>,
 }
 
@@ -126,8 +130,16 @@ impl Snapshots {
             velocity: Vec::new(),
             acceleration: Vec::new(),
             stress: Vec::new(),
+            state: Vec::new(),
             sink: Box::new(sink),
         })
+    }
+    /// The same with history variables of laws.
+    #[must_use]
+    pub fn with_state(mut self, variables: &[HistoryVariable]) -> Self {
+        let variables = variables.iter();
+        self.state = variables.map(|variable| (*variable, Vec::new())).collect();
+        self
     }
 }
 
@@ -166,6 +178,11 @@ impl Observer for Snapshots {
             view.acceleration(n)
         });
         refill(&mut self.stress, elements, |e| view.stress(e));
+        for (variable, values) in &mut self.state {
+            refill(values, self.elements, |element| {
+                view.history(element, variable.name).unwrap_or(0.0)
+            });
+        }
         let snapshot = Snapshot {
             index: self.taken,
             step: view.number(),
@@ -175,6 +192,7 @@ impl Observer for Snapshots {
             acceleration: &self.acceleration,
             stress: &self.stress,
             joints: &view.joints(),
+            state: &self.state,
         };
         let taken = self.sink.take(&snapshot);
         taken.map_err(|error| ModelError::refused("snapshots", error))?;

@@ -7,15 +7,16 @@
 use std::sync::Arc;
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
-use super::{Parameters, SceneFile};
+use super::{Material, Parameters, SceneFile};
 use crate::fault::{Fault, Problem};
 
 /// Keys whose table, or whose tables in an array, say their shape by `kind`.
-const TAGGED: [&str; 7] = [
-    "baseline", "damping", "function", "load", "preload", "pulse", "support",
+const TAGGED: [&str; 8] = [
+    "baseline", "damping", "function", "leg", "load", "preload", "pulse", "support",
 ];
 /// Open tables, and the keys in them that the format reads itself.
 const MATERIAL: (&str, &[&str]) = ("material", &["name", "law"]);
@@ -57,6 +58,29 @@ pub fn decode(text: &str) -> Result<SceneFile, Fault> {
         boundary.parameters = Parameters::new(text, (BOUNDARY.0, 0), BOUNDARY.1);
     }
     Ok(scene)
+}
+
+/// Reads any structure whose tables with a `kind` are those of scenes.
+pub(crate) fn decode_tagged<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
+    T::deserialize(Deserializer::from(tree(text)?)).map_err(Fault::from_toml)
+}
+
+/// Reads the materials of a text, and nothing else.
+pub(crate) fn decode_materials(text: &str) -> Result<Vec<Material>, Fault> {
+    #[derive(Deserialize)]
+    struct Materials {
+        #[serde(rename = "material")]
+        materials: Vec<Material>,
+    }
+    let mut root = tree(text)?;
+    split(root.get_mut(), MATERIAL.0, MATERIAL.1);
+    let read = Materials::deserialize(Deserializer::from(root)).map_err(Fault::from_toml)?;
+    let text: Arc<str> = text.into();
+    let mut materials = read.materials;
+    for (index, material) in materials.iter_mut().enumerate() {
+        material.parameters = Parameters::new(text.clone(), (MATERIAL.0, index), MATERIAL.1);
+    }
+    Ok(materials)
 }
 
 /// The parsed text with its tagged tables rewritten.

@@ -29,6 +29,7 @@ use serde::Deserialize;
 
 pub use at::At;
 pub use decode::decode;
+pub(crate) use decode::{decode_materials, decode_tagged};
 pub use function::{Function, Pulse};
 pub use ground::{
     Baseline, BoundarySection, Component, Components, Convention, Count, Ground, Length, Record,

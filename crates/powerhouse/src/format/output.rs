@@ -51,6 +51,9 @@ pub enum Quantity {
     /// Change of stress (Pa), mean over an element; in envelopes the greatest and least principal
     /// stress.
     Stress,
+    /// What the material's law remembers, such as plastic strains, damage, damage type and yield
+    /// state; of elements and, as the greatest values, in envelopes.
+    State,
 }
 
 /// Histories at a place: exactly one of `at`, `node`, `set` and `element`.
@@ -62,11 +65,12 @@ pub struct History {
     /// A point (m); motion is interpolated in the element around it, stress is that of the
     /// element.
     pub at: Option<At<[Finite; 3]>>,
-    /// A node by its number in the mesh file; it has no stress.
+    /// A node by its number in the mesh file; it has neither stress nor state.
     pub node: Option<At<u64>>,
-    /// A node, facet or element set: the mean over its nodes; it has no stress.
+    /// A node, facet or element set: the mean over its nodes; it has neither
+    /// stress nor state.
     pub set: Option<At<String>>,
-    /// An element by its number in the mesh file; it has stress alone.
+    /// An element by its number in the mesh file; it has stress and state alone.
     pub element: Option<At<u64>>,
     /// The element set in which the point lies, which decides the side of a joint or interface.
     pub among: Option<At<String>>,

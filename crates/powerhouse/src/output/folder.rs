@@ -25,6 +25,7 @@ use crate::{Error, Remark};
 /// | `joints/NAME.vtu` | each joint's facets at the end with state, slip, opening, energies, times of first slip and crack, and greatest tractions |
 /// | `plots/NAME.svg`, `plots/joint-NAME.svg` | each of them drawn |
 /// | `envelope.vtu` | greatest values with their times |
+/// | `state.vtu` | the greatest of what laws remember, such as damage, with times; damage type and yield state at the end |
 /// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
 /// | `snapshots.pvd` and a folder beside it | whole fields, and the facets of joints, for ParaView |
 /// | `scene.toml` | the scene as it was run |
@@ -49,6 +50,8 @@ const TABLES: [&str; 4] = [
 ];
 /// Greatest values, with a picture of each.
 const ENVELOPE: &str = "envelope.vtu";
+/// The greatest of what laws remember, with a picture of each.
+const STATE: &str = "state.vtu";
 
 impl ResultFolder {
     /// A folder, which is made with its first file or by [`create`](Self::create).
@@ -81,7 +84,7 @@ impl ResultFolder {
         old.extend(self.files_in("snapshots", "snapshots_", ".vtu"));
         if self.has_results() {
             old.extend(TABLES.iter().map(|table| self.path.join(table)));
-            old.push(self.path.join(ENVELOPE));
+            old.extend([ENVELOPE, STATE].map(|file| self.path.join(file)));
             old.extend(self.files_in("plots", "", ".svg"));
             old.extend(self.files_in("pictures", "", ".png"));
             old.extend(self.files_in("joints", "", ".vtu"));
@@ -172,9 +175,15 @@ impl ResultFolder {
                 drawing::plot(file, "energies", &columns)
             })?;
         }
-        if let Some(envelope) = &results.envelope {
-            let fields = vtu::EnvelopeFields::new(envelope, mesh);
-            files.write(ENVELOPE, |file| fields.write(file, mesh, results.run.time))?;
+        let envelope = results.envelope.as_ref();
+        let envelope = envelope.map(|envelope| vtu::EnvelopeFields::new(envelope, mesh));
+        let state = results.state.as_ref();
+        let state = state.map(|state| vtu::EnvelopeFields::of_state(state, mesh));
+        for (name, fields) in [(ENVELOPE, envelope), (STATE, state)] {
+            let Some(fields) = fields else {
+                continue;
+            };
+            files.write(name, |file| fields.write(file, mesh, results.run.time))?;
             for (name, field, unit) in fields.peaks() {
                 files.write(
                     &format!("pictures/{}.png", drawing::file_name(name)),

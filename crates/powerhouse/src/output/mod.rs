@@ -4,6 +4,7 @@ mod drawing;
 mod folder;
 mod joints;
 mod plan;
+mod remembered;
 mod results;
 mod summary;
 mod vtu;
@@ -11,7 +12,8 @@ mod vtu;
 pub use folder::ResultFolder;
 pub use plan::{
     CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,
-    StressWish,
+    StateWish, StressWish,
 };
+pub(crate) use remembered::Remembered;
 pub(crate) use results::Recordings;
 pub use results::{EnergyResidual, Results};

@@ -81,6 +81,19 @@ pub struct SnapshotWish {
     pub every: f64,
 }
 
+/// What is wanted of what laws remember: plastic strains, damage, yield states. The greatest of every
+/// amount and the last of all flags are kept anyway.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StateWish {
+    /// Histories of elements; their motion and stress are asked for apart.
+    pub places: Vec<StressWish>,
+    /// Time between looks at the greatest values (s); without one they are looked at when the run
+    /// ends.
+    pub every: Option<f64>,
+    /// Whether snapshots hold all variables.
+    pub snapshots: bool,
+}
+
 /// What is wanted of a run.
 ///
 /// ```
@@ -115,6 +128,8 @@ pub struct OutputPlan {
     pub envelope: Option<EnvelopeWish>,
     /// Whole fields.
     pub snapshots: Option<SnapshotWish>,
+    /// What laws remember.
+    pub state: StateWish,
 }
 
 impl Default for OutputPlan {
@@ -130,6 +145,7 @@ impl Default for OutputPlan {
             energies: None,
             envelope: None,
             snapshots: None,
+            state: StateWish::default(),
         }
     }
 }
@@ -149,6 +165,15 @@ impl OutputPlan {
     #[must_use]
     pub fn stress(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
         self.stresses.push(StressWish {
+            name: name.into(),
+            place: place.into(),
+        });
+        self
+    }
+    /// Adds what the law of an element remembers, by its number or around a point.
+    #[must_use]
+    pub fn state(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
+        self.state.places.push(StressWish {
             name: name.into(),
             place: place.into(),
         });

@@ -7,11 +7,11 @@ use powerhouse_explicit_core::RunReport;
 use powerhouse_explicit_core::observe::{
     Column, CutSource, EnergyHistory, Envelope, EnvelopeTable, History, HistoryTable,
     JointHistories, JointOutcome, JointQuantities, JointTable, JointTables, JointWatch, Motion,
-    PeakTable, Recording, SectionForces, SectionGeometry,
+    PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
 use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
 
-use super::{JointWish, OutputPlan};
+use super::{JointWish, OutputPlan, Remembered};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 
@@ -48,6 +48,8 @@ pub struct Results {
     pub energies: HistoryTable,
     /// Greatest values.
     pub envelope: Option<EnvelopeTable>,
+    /// The greatest of what laws remember, if any does.
+    pub state: Option<StateTable>,
     /// Joints: shares of area, greatest slips and openings and energies against time.
     pub joint_histories: HistoryTable,
     /// What has become of each joint, and of the parts of joints that were asked for.
@@ -121,6 +123,9 @@ impl Results {
         if let Some(envelope) = &self.envelope {
             peaks.add_envelope("envelope", envelope, mesh);
         }
+        if let Some(state) = &self.state {
+            peaks.add_state(state, mesh);
+        }
         peaks
     }
 }
@@ -132,6 +137,7 @@ pub(crate) struct Recordings {
     section_geometry: Vec<SectionGeometry>,
     energies: Option<Recording<HistoryTable>>,
     envelope: Option<Recording<EnvelopeTable>>,
+    state: Option<Recording<StateTable>>,
     joints: Option<Recording<JointTables>>,
     joint_surfaces: Vec<NamedSurface>,
 }
@@ -142,6 +148,7 @@ impl Recordings {
         plan: &OutputPlan,
         mesh: &Mesh,
         sources: &[CutSource],
+        remembered: &Remembered,
     ) -> Result<(Self, Vec<Box<dyn Observer>>), Error> {
         let mut observers: Vec<Box<dyn Observer>> = Vec::new();
         let mut recordings = Self {
@@ -150,11 +157,12 @@ impl Recordings {
             section_geometry: Vec::new(),
             energies: None,
             envelope: None,
+            state: None,
             joints: None,
             joint_surfaces: Vec::new(),
         };
-        if !(plan.histories.is_empty() && plan.stresses.is_empty() && plan.relative.is_empty()) {
-            let history = histories(plan, mesh)?;
+        let history = histories(plan, mesh, remembered)?;
+        if !history.is_empty() {
             recordings.histories = Some(history.recording());
             observers.push(Box::new(history));
         }
@@ -204,6 +212,10 @@ impl Recordings {
                 Envelope::new(mesh, &nodes, wish.motion, stressed, cadence).map_err(model)?;
             recordings.envelope = Some(envelope.recording());
             observers.push(Box::new(envelope));
+        }
+        if let Some(peaks) = remembered.peaks(plan, mesh)? {
+            recordings.state = Some(peaks.recording());
+            observers.push(Box::new(peaks));
         }
         Ok((recordings, observers))
     }
@@ -261,6 +273,7 @@ impl Recordings {
             section_geometry: self.section_geometry,
             energies: table(self.energies),
             envelope: self.envelope.map(|recording| recording.copy()),
+            state: self.state.map(|recording| recording.copy()),
             snapshots,
         }
     }
@@ -298,7 +311,7 @@ impl JointWish {
     }
 }
 
-fn histories(plan: &OutputPlan, mesh: &Mesh) -> Result<History, Error> {
+fn histories(plan: &OutputPlan, mesh: &Mesh, remembered: &Remembered) -> Result<History, Error> {
     let mut builder = History::builder(Cadence::Seconds(plan.every));
     for wish in &plan.histories {
         if wish.motion != Motion::default() {
@@ -308,11 +321,15 @@ fn histories(plan: &OutputPlan, mesh: &Mesh) -> Result<History, Error> {
     for wish in &plan.stresses {
         builder = builder.stress(&wish.name, wish.place.clone());
     }
+    for wish in &plan.state.places {
+        builder = builder.state(&wish.name, wish.place.clone());
+    }
     for wish in &plan.relative {
         let (from, at) = (wish.from.clone(), wish.at.clone());
         builder = builder.relative(&wish.name, from, at, Motion::DISPLACEMENT);
     }
-    builder.build(mesh).map_err(model)
+    let variables = |element| remembered.of_element(element).to_vec();
+    builder.build_with(mesh, variables).map_err(model)
 }
 
 fn model(error: impl Into<ModelError>) -> Error {

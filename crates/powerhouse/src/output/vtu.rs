@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::observe::{EnvelopeTable, PeakField, Snapshot, SnapshotSink};
+use powerhouse_explicit_core::observe::{
+    EnvelopeTable, PeakField, Snapshot, SnapshotSink, StateTable,
+};
 use powerhouse_io::{FieldPrecision, IoError, PictureField, PvdCollection, VtuField, VtuWriter};
-use powerhouse_model::{Mesh, Stress, Vec3};
+use powerhouse_model::{HistoryVariable, Mesh, Stress, Vec3};
 
 use super::drawing::file_name;
 use super::joints::{JointFacets, JointFields, scalars as scalars_of_joint};
@@ -61,16 +63,17 @@ impl SnapshotSink for SnapshotFiles {
             })
             .collect();
         let stress: Vec<f64> = shot.stress.iter().flat_map(|Stress(s)| *s).collect();
-        let in_elements = VtuField {
+        let stress = (!stress.is_empty()).then_some(VtuField {
             name: "stress",
             components: 6,
             values: &stress,
-        };
-        let in_elements = if stress.is_empty() {
-            &[][..]
-        } else {
-            &[in_elements]
-        };
+        });
+        let state = shot.state.iter().map(|(variable, values)| VtuField {
+            name: variable.name,
+            components: 1,
+            values,
+        });
+        let in_elements: Vec<VtuField> = stress.into_iter().chain(state).collect();
         let mut joints: Vec<(String, &VtuWriter, JointFields)> = Vec::new();
         for (name, facets) in &self.joints {
             if let Some(view) = shot.joints.iter().find(|joint| joint.name == name) {
@@ -83,7 +86,7 @@ impl SnapshotSink for SnapshotFiles {
             .map(|((name, writer, _), fields)| (name.as_str(), *writer, &fields[..]))
             .collect();
         self.collection
-            .add_with(shot.time, &at_nodes, in_elements, &parts)?;
+            .add_with(shot.time, &at_nodes, &in_elements, &parts)?;
         Ok(())
     }
 }
@@ -92,6 +95,8 @@ impl SnapshotSink for SnapshotFiles {
 pub(super) struct EnvelopeFields {
     nodal: Vec<PeakOverMesh>,
     elemental: Vec<PeakOverMesh>,
+    /// Whole numbers of elements, by name.
+    flags: Vec<(&'static str, Vec<f64>)>,
 }
 
 /// One kind of peak over the whole mesh.
@@ -143,6 +148,32 @@ impl EnvelopeFields {
         Self {
             nodal: nodal.into_iter().filter_map(of_nodes).collect(),
             elemental: elemental.into_iter().filter_map(of_elements).collect(),
+            flags: Vec::new(),
+        }
+    }
+    /// What laws remember: the greatest of every amount that was ever above zero, flags as they were
+    /// last.
+    pub(super) fn of_state(state: &StateTable, mesh: &Mesh) -> Self {
+        let (elements, count) = (&state.elements, mesh.element_count());
+        let some = |field: &&(HistoryVariable, PeakField)| field.1.values.iter().any(|v| *v > 0.0);
+        let peaks = state
+            .peaks
+            .iter()
+            .filter(some)
+            .filter_map(|(variable, field)| {
+                PeakOverMesh::new((variable.name, variable.unit, field), elements, count)
+            });
+        let flags = state.flags.iter().map(|(variable, values)| {
+            let mut all = vec![0.0; count];
+            for (&element, &value) in elements.iter().zip(values) {
+                all[element as usize] = value;
+            }
+            (variable.name, all)
+        });
+        Self {
+            nodal: Vec::new(),
+            elemental: peaks.collect(),
+            flags: flags.collect(),
         }
     }
     /// Name, field and unit of every peak.
@@ -154,7 +185,12 @@ impl EnvelopeFields {
     }
     /// Writes them as one VTU file at a time (s).
     pub(super) fn write(&self, file: &Path, mesh: &Mesh, time: f64) -> Result<(), IoError> {
-        let (nodal, elemental) = (scalars(&self.nodal), scalars(&self.elemental));
+        let (nodal, mut elemental) = (scalars(&self.nodal), scalars(&self.elemental));
+        elemental.extend(self.flags.iter().map(|(name, values)| VtuField {
+            name,
+            components: 1,
+            values,
+        }));
         writer(file, mesh)?.write(file, time, &nodal, &elemental)
     }
 }

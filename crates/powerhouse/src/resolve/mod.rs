@@ -114,6 +114,9 @@ pub(crate) fn compose(
         &scene.joints,
         file.time.duration.get(),
     )?;
+    let materials = file.parts.iter();
+    let materials = materials.map(|part| (part.set.to_string(), part.material.span()));
+    scene.places.materials = materials.collect();
     let sections = file.output.sections.iter();
     let sections = sections.map(|section| (section.name.to_string(), section.at.span()));
     scene.places.cuts = sections.collect();

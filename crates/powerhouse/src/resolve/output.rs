@@ -91,6 +91,9 @@ pub(super) fn plan(
             sets.push(set.to_string());
         }
         let quantities = quantities(&envelope.quantities, &MOTION)?;
+        if quantities.contains(&Quantity::State) {
+            plan.state.every = Some(envelope.every.map_or(plan.every, Positive::get));
+        }
         plan.envelope = Some(EnvelopeWish {
             motion: motion(&quantities),
             stress: quantities.contains(&Quantity::Stress),
@@ -101,6 +104,7 @@ pub(super) fn plan(
     if let Some(snapshots) = &output.snapshots {
         let default = [Quantity::Displacement, Quantity::Velocity];
         let quantities = quantities(&snapshots.quantities, &default)?;
+        plan.state.snapshots = quantities.contains(&Quantity::State);
         plan.snapshots = Some(SnapshotWish {
             fields: SnapshotFields {
                 motion: motion(&quantities),
@@ -163,27 +167,23 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
         among: &history.among,
         within: &history.within,
     };
-    let is_stress = |quantity| quantity == Quantity::Stress;
+    let of_element = |quantity| matches!(quantity, Quantity::Stress | Quantity::State);
     if let (Some(element), None, None, None) =
         (&history.element, &history.at, &history.node, &history.set)
     {
         if !names.mesh.element_tags().contains(element) {
             return Err(no_such_number("element", element));
         }
-        let of_element = |quantity| !is_stress(quantity);
         let found = "motion of an element";
         without(
             &history.quantities,
-            of_element,
+            |quantity| !of_element(quantity),
             found,
-            "stress, or a point, node or set",
+            "stress or state, or a point, node or set",
         )?;
-        quantities(&history.quantities, &[Quantity::Stress])?;
+        let wanted = quantities(&history.quantities, &[Quantity::Stress])?;
         site.without_point()?;
-        plan.stresses.push(StressWish {
-            name,
-            place: StressPlace::Element(**element),
-        });
+        in_element(plan, &wanted, &name, &StressPlace::Element(**element));
         return Ok(());
     }
     let place = match site.place((&history.at, &history.node, &history.set))? {
@@ -198,19 +198,14 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
     let wanted = quantities(&history.quantities, &MOTION)?;
     match &place {
         Place::Spot(spot) => {
-            if wanted.contains(&Quantity::Stress) {
-                plan.stresses.push(StressWish {
-                    name: name.clone(),
-                    place: StressPlace::Spot(spot.clone()),
-                });
-            }
+            in_element(plan, &wanted, &name, &StressPlace::Spot(spot.clone()));
         }
         _ => {
-            let found = "stress at a node or set";
+            let found = "stress or state at a node or set";
             site.without_point()?;
             without(
                 &history.quantities,
-                is_stress,
+                of_element,
                 found,
                 "motion, or a point or element",
             )?;
@@ -270,6 +265,20 @@ fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<Jo
         zone,
         quantities,
     })
+}
+
+/// Adds what is wanted of an element.
+fn in_element(plan: &mut OutputPlan, wanted: &[Quantity], name: &str, place: &StressPlace) {
+    let wish = || StressWish {
+        name: name.into(),
+        place: place.clone(),
+    };
+    if wanted.contains(&Quantity::Stress) {
+        plan.stresses.push(wish());
+    }
+    if wanted.contains(&Quantity::State) {
+        plan.state.places.push(wish());
+    }
 }
 
 fn motion(quantities: &[Quantity]) -> Motion {

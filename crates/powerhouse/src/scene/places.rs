@@ -31,6 +31,8 @@ pub(crate) struct Places {
     pub(crate) scheme: Range<usize>,
     /// Cuts by name.
     pub(crate) cuts: BTreeMap<String, Range<usize>>,
+    /// Materials of parts, by their set.
+    pub(crate) materials: BTreeMap<String, Range<usize>>,
     /// Prescribed motions, with the user's numbers of their nodes.
     pub(crate) prescribed: Vec<(Range<usize>, Vec<u64>)>,
 }
@@ -87,6 +89,9 @@ impl Places {
                 .rev()
                 .find(|(_, nodes)| nodes.contains(node));
             return of_node.map(|(place, _)| place.clone());
+        }
+        if let Some(EngineError::ElementSize { set, .. }) = source.downcast_ref() {
+            return self.materials.get(set).cloned();
         }
         match source.downcast_ref() {
             Some(

@@ -8,7 +8,7 @@ use powerhouse_model::{
 
 use super::joints::constraints;
 use super::{InitialMotion, Places, ResidualLimit, Scene, TimeStep};
-use crate::output::Recordings;
+use crate::output::{Recordings, Remembered};
 use crate::{Error, Part, Remark, Simulation};
 
 impl Scene {
@@ -44,6 +44,11 @@ impl Scene {
         let mut blocks = Vec::new();
         let mut remarks = Vec::new();
         for part in &self.parts {
+            let doubts = part.material.doubts().iter();
+            remarks.extend(doubts.map(|doubt| Remark::Material {
+                set: part.set.clone(),
+                doubt: doubt.clone(),
+            }));
             let kinds = by_kind(&self, part)?;
             if let Some(kernel) = part.idle_kernel(kinds.iter().map(|(kind, _)| *kind)) {
                 return Err(Error::IdleKernel {
@@ -73,7 +78,8 @@ impl Scene {
                 medium: *medium,
             })
             .collect();
-        let mut observed = Recordings::observe(&self.output, &self.mesh, &sources)?;
+        let remembered = Remembered::of(&self.mesh, &self.parts)?;
+        let mut observed = Recordings::observe(&self.output, &self.mesh, &sources, &remembered)?;
         if let Some(boundary) = &self.boundary {
             let facets = self.absorbing_facets()?;
             self.check_faces(&facets)?;
@@ -154,6 +160,7 @@ impl Scene {
             (self.source, self.places),
             field,
             (self.output, observed),
+            remembered.variables,
             self.remarks,
         ))
     }

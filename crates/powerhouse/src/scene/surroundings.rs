@@ -90,7 +90,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Doubts about what surrounds the body: damped rims, sides that were forgotten, a surface that
+    /// Doubts about what surrounds the body: damped rims and such that yield, sides that were forgotten, a surface that
     /// is not the field's.
     pub(super) fn doubts_around(
         &self,
@@ -104,6 +104,10 @@ impl Scene {
                 if part.damping != Default::default() {
                     let set = part.set.clone();
                     remarks.push(Remark::DampedRim { set });
+                }
+                if !part.material.is_linear() {
+                    let (set, law) = (part.set.clone(), part.material.name().into());
+                    remarks.push(Remark::NonlinearRim { set, law });
                 }
             }
         }

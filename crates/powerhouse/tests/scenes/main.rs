@@ -6,6 +6,7 @@ mod joints;
 mod keys_of_ground;
 mod keys_of_model;
 mod keys_of_output;
+mod laws;
 mod runs;
 mod support;
 mod surroundings;

@@ -95,6 +95,11 @@ pub(crate) fn cube_scene_on(mesh: Mesh) -> Scene {
 
 /// The same with rock in several sets.
 pub(crate) fn cube_scene_of(mesh: Mesh, sets: &[&str]) -> Scene {
+    cube_scene_made_of(mesh, sets, &Material::new(LinearElastic::new(ROCK)))
+}
+
+/// The same of another material.
+pub(crate) fn cube_scene_made_of(mesh: Mesh, sets: &[&str], material: &Material) -> Scene {
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
     parameters.incidence = Angle::from_degrees(20.0);
     parameters.azimuth = Angle::from_degrees(30.0);
@@ -104,10 +109,7 @@ pub(crate) fn cube_scene_of(mesh: Mesh, sets: &[&str]) -> Scene {
     let centre = Vec3::new(150.0, 150.0, 0.0);
     let mut output = OutputPlan::default().history("surface", centre, Motion::ALL);
     output.every = 0.01;
-    let part = |set: &&str| {
-        let rock = Material::new(LinearElastic::new(ROCK));
-        Part::new(*set, rock).kernel(SolidKernel::Hex8Full)
-    };
+    let part = |set: &&str| Part::new(*set, material.clone()).kernel(SolidKernel::Hex8Full);
     sets.iter()
         .map(part)
         .fold(Scene::new("cube", mesh), Scene::part)

@@ -1,0 +1,165 @@
+//! What laws cost: a whole step with none, 5 % (one cluster) and all of the elements yielding, over
+//! the elastic step of the same run.
+//!
+//! `cargo bench --bench law`; a word picks laws: `cargo bench --bench law -- mohr`. One thread;
+//! the least of many short runs, in time of the processor where the system tells it.
+
+use std::time::Instant;
+
+use powerhouse::engine::{BlockOptions, Hex8OnePoint, Leapfrog, Model, Precision, SolidKernel};
+use powerhouse::material::{
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LinearElastic, Mazars,
+    MohrCoulomb, presets,
+};
+use powerhouse::model::{ConstitutiveLaw, ElasticMedium, Mesh, State, TimeIntegrator, Vec3};
+
+const CELLS: usize = 48;
+/// Edge of the cluster: 18^3 of 48^3 elements are 5.3 %.
+const CLUSTER: f64 = 18.0;
+/// Steps before the clock starts, and steps that are timed.
+const STEPS: [usize; 2] = [2, 6];
+const REPETITIONS: usize = 15;
+
+/// Processor time of all threads of this process (s), or the time that passes.
+fn clock(start: Instant) -> f64 {
+    let of_thread = |entry: std::io::Result<std::fs::DirEntry>| {
+        let text = std::fs::read_to_string(entry.ok()?.path().join("schedstat")).ok()?;
+        text.split(' ').next()?.parse::<f64>().ok()
+    };
+    let tasks = std::fs::read_dir("/proc/self/task").ok();
+    let time: Option<f64> = tasks.and_then(|tasks| tasks.map(of_thread).sum());
+    time.map_or_else(
+        || start.elapsed().as_secs_f64(),
+        |nanoseconds| 1e-9 * nanoseconds,
+    )
+}
+
+/// Which elements yield.
+#[derive(Clone, Copy)]
+enum Yielding {
+    None,
+    Cluster,
+    All,
+}
+
+/// A state that shears and stretches at a steady rate where elements are to yield.
+fn state(mesh: &Mesh, yielding: Yielding, step: f64) -> State {
+    let mut state = State::at_rest(mesh.node_count());
+    for (node, x) in mesh.positions().iter().enumerate() {
+        let inside = match yielding {
+            Yielding::None => false,
+            Yielding::Cluster => x.iter().all(|x| *x <= CLUSTER),
+            Yielding::All => true,
+        };
+        let noise = |k: f64| (12.9898 * x.x + 78.233 * x.y + 37.719 * x.z + k).sin();
+        let rest = Vec3::new(noise(0.1), noise(0.7), noise(1.9)) * 1e-8;
+        let strained = Vec3::new(0.3 * x.x + x.y, 0.4 * x.z, -0.1 * x.z);
+        let (strain, rate) = if inside {
+            (1e-3, 1e-5 / step)
+        } else {
+            (0.0, 0.0)
+        };
+        state.displacement[node] = rest + strained * strain;
+        state.velocity[node] = rest / step + strained * rate;
+    }
+    state
+}
+
+/// The least time of a step per element (ns), and the share of elements that yield in it.
+fn cost(
+    law: impl ConstitutiveLaw,
+    mesh: &Mesh,
+    yielding: Yielding,
+    precision: Precision,
+) -> (f64, f64) {
+    let mut options = BlockOptions::default();
+    options.precision = precision;
+    let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
+    let step = 0.3 / law.medium().p_speed();
+    let builder = Model::builder(mesh).elements("rock", kernel.factory("rock", law, options));
+    let mut model = builder.threads(1).build().expect("a sound model");
+    let mut start = state(mesh, yielding, step);
+    start.history = model.state().history;
+    let (mut least, mut share) = (f64::INFINITY, 0.0);
+    for _ in 0..REPETITIONS {
+        model.set_state(&start).expect("a state of the mesh");
+        let advance = |model: &mut Model, steps: usize| {
+            for _ in 0..steps {
+                Leapfrog.step(model, step).expect("a stable step");
+            }
+        };
+        advance(&mut model, STEPS[0]);
+        let begun = Instant::now();
+        let before = clock(begun);
+        advance(&mut model, STEPS[1]);
+        least = f64::min(least, clock(begun) - before);
+        let fields = model.state().history;
+        let yields = fields.iter().find(|field| field.name == "yield_state");
+        let yields = yields.or(fields.iter().find(|field| field.name == "damage"));
+        share = yields.map_or(0.0, |field| {
+            let count = field.values.iter().filter(|value| **value > 0.0).count();
+            count as f64 / field.values.len() as f64
+        });
+    }
+    (
+        1e9 * least / (STEPS[1] * mesh.element_count()) as f64,
+        share,
+    )
+}
+
+fn compare<M: ConstitutiveLaw>(name: &str, law: M, mesh: &Mesh) {
+    let word = std::env::args().skip(1).find(|word| !word.starts_with('-'));
+    if word.is_some_and(|word| !name.contains(&word)) {
+        return;
+    }
+    for (precision, digits) in [(Precision::F64, "double"), (Precision::Mixed, "mixed")] {
+        let elastic = || {
+            let medium: ElasticMedium = law.medium();
+            cost(LinearElastic::new(medium), mesh, Yielding::None, precision).0
+        };
+        let before = elastic();
+        let of = |yielding| cost(law.clone(), mesh, yielding, precision);
+        let costs = [Yielding::None, Yielding::Cluster, Yielding::All].map(of);
+        let base = before.min(elastic());
+        let told = costs.map(|(cost, share)| {
+            format!(
+                "{cost:6.1} ns = {:4.2} ({:3.0} %)",
+                cost / base,
+                100.0 * share
+            )
+        });
+        println!(
+            "{name:16} {digits:6} elastic {base:5.1} ns; {}",
+            told.join(", ")
+        );
+    }
+}
+
+fn main() {
+    let size = CELLS as f64;
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(size), [CELLS; 3], "rock");
+    let mesh = mesh.expect("the mesh of the benchmark is sound");
+    println!("over the elastic step: nothing yields, a cluster, everything (share that yields)");
+    let rock = presets::PAPER_ROCK;
+    let cone = DruckerPrager::new(DruckerPragerParameters {
+        medium: rock.medium,
+        friction: rock.friction,
+        dilation: rock.dilation,
+        cohesion: rock.cohesion,
+        fit: ConeFit::Inscribed,
+    });
+    compare(
+        "drucker-prager",
+        ElastoPlastic::new(cone.expect("sound")),
+        &mesh,
+    );
+    let surface = MohrCoulomb::new(rock).expect("sound");
+    compare("mohr-coulomb", ElastoPlastic::new(surface), &mesh);
+    compare(
+        "paper-concrete",
+        presets::paper_concrete().expect("sound"),
+        &mesh,
+    );
+    let concrete = Mazars::new(presets::PAPER_CONCRETE_MAZARS).expect("sound");
+    compare("mazars", concrete, &mesh);
+}

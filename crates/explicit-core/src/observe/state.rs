@@ -1,0 +1,118 @@
+//! What laws remember: the greatest of it.
+
+use powerhouse_model::{
+    Cadence, Fields, Flow, HistoryKind, HistoryVariable, Mesh, ModelError, Observer, StepView,
+};
+
+use super::{ObserveError, PeakField, Recording, check_cadence};
+
+/// What a [`StatePeaks`] has seen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StateTable {
+    /// Mesh indices of the elements.
+    pub elements: Vec<u32>,
+    /// The greatest of each amount with its time, zero in elements whose law has none.
+    pub peaks: Vec<(HistoryVariable, PeakField)>,
+    /// Whole numbers whose bits are flags, as they were last.
+    pub flags: Vec<(HistoryVariable, Vec<f64>)>,
+}
+
+/// The greatest of what laws remember, element by element: amounts such as damage and equivalent
+/// plastic strain, and flags as they were last. Components of tensors are left out.
+///
+/// Amounts that never fall, as most do not, are at their greatest at the end: one look there is
+/// enough for them, and the last step is always seen.
+///
+/// Memory: 16 bytes per element and amount, 8 per element and number of flags.
+pub struct StatePeaks {
+    cadence: Cadence,
+    element_tags: Vec<u64>,
+    recording: Recording<StateTable>,
+}
+
+impl StatePeaks {
+    /// The peaks of variables in elements, given by mesh indices.
+    ///
+    /// # Errors
+    /// A cadence out of range, an index beyond the mesh.
+    pub fn new(
+        mesh: &Mesh,
+        elements: &[u32],
+        variables: &[HistoryVariable],
+        cadence: Cadence,
+    ) -> Result<Self, ObserveError> {
+        check_cadence(cadence)?;
+        let tag = |&element: &u32| {
+            let tag = mesh.element_tags().get(element as usize).copied();
+            tag.ok_or_else(|| ObserveError::NoSuchElement {
+                name: "state".into(),
+                element: u64::from(element),
+            })
+        };
+        let of_kind = |kind: HistoryKind| variables.iter().filter(move |v| v.kind == kind);
+        let amounts = of_kind(HistoryKind::Amount);
+        let flags = of_kind(HistoryKind::Flags);
+        let table = StateTable {
+            elements: elements.to_vec(),
+            peaks: amounts
+                .map(|variable| (*variable, PeakField::new(elements.len(), 0.0)))
+                .collect(),
+            flags: flags
+                .map(|variable| (*variable, vec![0.0; elements.len()]))
+                .collect(),
+        };
+        Ok(Self {
+            cadence,
+            element_tags: elements.iter().map(tag).collect::<Result<_, _>>()?,
+            recording: Recording::new(table),
+        })
+    }
+    /// The table that the observer keeps.
+    pub fn recording(&self) -> Recording<StateTable> {
+        self.recording.clone()
+    }
+}
+
+impl Observer for StatePeaks {
+    fn name(&self) -> &str {
+        "state"
+    }
+    fn fields(&self) -> Fields {
+        Fields::default()
+    }
+    fn cadence(&self) -> Cadence {
+        self.cadence
+    }
+    fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
+        let time = view.time();
+        let mut guard = self.recording.lock();
+        let StateTable {
+            elements,
+            peaks,
+            flags,
+        } = &mut *guard;
+        for (variable, peak) in peaks {
+            for (index, &element) in elements.iter().enumerate() {
+                let Some(value) = view.history(element, variable.name) else {
+                    continue;
+                };
+                if !value.is_finite() {
+                    return Err(ObserveError::NotFinite {
+                        what: variable.name,
+                        place: "element",
+                        number: self.element_tags[index],
+                        time,
+                    }
+                    .into());
+                }
+                peak.raise(index, value, time);
+            }
+        }
+        for (variable, values) in flags {
+            for (value, &element) in values.iter_mut().zip(elements.iter()) {
+                *value = view.history(element, variable.name).unwrap_or(0.0);
+            }
+        }
+        Ok(Flow::Continue)
+    }
+}

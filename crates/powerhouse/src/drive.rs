@@ -1,0 +1,379 @@
+//! One point of a material, led along a path: both as files say.
+
+use core::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use powerhouse_explicit_core::observe::principal_stresses;
+use powerhouse_io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot, write_table};
+use powerhouse_material_damage::{Control, PointDriver, PointRecord};
+use powerhouse_model::{HistoryKind, HistoryVariable, PointAdapter, Stress};
+use serde::Deserialize;
+
+use crate::fault::{Fault, Problem, SceneFault, SceneText};
+use crate::format::{self, At, Finite, Positive};
+use crate::part::OneByOne;
+use crate::{Error, Material, Registry};
+
+/// Steps of a leg that names none.
+const STEPS: usize = 100;
+/// The components of stress and strain, shears last.
+const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
+
+/// A path of strain and stress, read from a file.
+///
+/// ```toml
+/// size = 0.5                       # m, width of the element that a crack runs through; 1 by default
+/// initial_stress = [0, 0, 0, 0, 0, 0]   # Pa, xx yy zz xy yz zx; none by default
+///
+/// [[leg]]
+/// kind = "uniaxial"                # along z, free sides
+/// strain = 3e-4
+/// steps = 200                      # 100 by default
+/// ```
+///
+/// Legs follow each other; each goes in equal steps from where the point is to its target.
+///
+/// | kind | keys | what it is |
+/// |---|---|---|
+/// | `uniaxial` | `strain` | a strain along z, free sides |
+/// | `triaxial` | `lateral`, `strain` | a strain along z under a lateral stress (Pa) |
+/// | `biaxial` | `strain` | equal strains along x and y, free along z |
+/// | `plane-strain` | `lateral`, `strain` | a strain along z, none along y, a stress along x (Pa) |
+/// | `simple-shear` | `strain`, `normal` | an engineering strain xy under three normal stresses (Pa), 0 by default |
+/// | `cyclic` | `strains` | uniaxial to one strain after the other |
+/// | `mixed` | `xx` ... `zx` | each `{ strain = ... }` or `{ stress = ... }` (Pa); strains that are not named stay |
+#[derive(Debug)]
+pub struct PointPath {
+    text: Arc<SceneText>,
+    file: PathFile,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PathFile {
+    size: Option<Positive>,
+    initial_stress: Option<[Finite; 6]>,
+    #[serde(rename = "leg")]
+    legs: Vec<At<Leg>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+enum Leg {
+    Uniaxial {
+        strain: Finite,
+        steps: Option<NonZeroUsize>,
+    },
+    Triaxial {
+        lateral: Finite,
+        strain: Finite,
+        steps: Option<NonZeroUsize>,
+    },
+    Biaxial {
+        strain: Finite,
+        steps: Option<NonZeroUsize>,
+    },
+    PlaneStrain {
+        lateral: Finite,
+        strain: Finite,
+        steps: Option<NonZeroUsize>,
+    },
+    SimpleShear {
+        strain: Finite,
+        normal: Option<[Finite; 3]>,
+        steps: Option<NonZeroUsize>,
+    },
+    Cyclic {
+        strains: Vec<Finite>,
+        steps: Option<NonZeroUsize>,
+    },
+    Mixed(Box<Mixed>),
+}
+
+/// What is prescribed of each component.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mixed {
+    xx: Option<At<Prescribed>>,
+    yy: Option<At<Prescribed>>,
+    zz: Option<At<Prescribed>>,
+    xy: Option<At<Prescribed>>,
+    yz: Option<At<Prescribed>>,
+    zx: Option<At<Prescribed>>,
+    steps: Option<NonZeroUsize>,
+}
+
+/// What is prescribed of one component: one of both.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Prescribed {
+    strain: Option<Finite>,
+    stress: Option<Finite>,
+}
+
+impl Leg {
+    /// The targets, one after the other, from the strains at its start, and the steps to each.
+    fn targets(&self, now: &PointRecord) -> Result<(Vec<[Control; 6]>, usize), Fault> {
+        let (targets, steps) = match self {
+            Self::Uniaxial { strain, steps } => (vec![Control::uniaxial(strain.get())], steps),
+            Self::Triaxial {
+                lateral,
+                strain,
+                steps,
+            } => (vec![Control::triaxial(lateral.get(), strain.get())], steps),
+            Self::Biaxial { strain, steps } => (vec![Control::biaxial(strain.get())], steps),
+            Self::PlaneStrain {
+                lateral,
+                strain,
+                steps,
+            } => {
+                let target = Control::plane_strain(lateral.get(), strain.get());
+                (vec![target], steps)
+            }
+            Self::SimpleShear {
+                strain,
+                normal,
+                steps,
+            } => {
+                let normal = normal.map_or([0.0; 3], |normal| normal.map(Finite::get));
+                (vec![Control::simple_shear(normal, strain.get())], steps)
+            }
+            Self::Cyclic { strains, steps } => {
+                let strains = strains.iter();
+                let targets = strains.map(|strain| Control::uniaxial(strain.get()));
+                (targets.collect(), steps)
+            }
+            Self::Mixed(mixed) => {
+                let Mixed {
+                    xx,
+                    yy,
+                    zz,
+                    xy,
+                    yz,
+                    zx,
+                    steps,
+                } = &**mixed;
+                let mut target = now.strain.0.map(Control::Strain);
+                for (control, wanted) in target.iter_mut().zip([xx, yy, zz, xy, yz, zx]) {
+                    if let Some(wanted) = wanted {
+                        *control = wanted.control(wanted.span())?;
+                    }
+                }
+                (vec![target], steps)
+            }
+        };
+        Ok((targets, steps.map_or(STEPS, NonZeroUsize::get)))
+    }
+}
+
+impl Prescribed {
+    fn control(&self, place: core::ops::Range<usize>) -> Result<Control, Fault> {
+        match (self.strain, self.stress) {
+            (Some(strain), None) => Ok(Control::Strain(strain.get())),
+            (None, Some(stress)) => Ok(Control::Stress(stress.get())),
+            (strain, stress) => {
+                let keys = &["strain", "stress"];
+                let found = usize::from(strain.is_some()) + usize::from(stress.is_some());
+                Err(Fault::new(place, Problem::OneOf { keys, found }))
+            }
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<Arc<SceneText>, Error> {
+    let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+        path: path.into(),
+        source,
+    })?;
+    Ok(Arc::new(SceneText {
+        path: path.into(),
+        text,
+    }))
+}
+
+impl PointPath {
+    /// Reads a path.
+    ///
+    /// # Errors
+    /// A file that cannot be read; a fault in it, with line and column.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let text = read(path.as_ref())?;
+        let file = format::decode_tagged(&text.text);
+        let file = file.map_err(|fault| SceneFault::new(text.clone(), fault))?;
+        Ok(Self { text, file })
+    }
+
+    /// Leads a point of a material along the path.
+    ///
+    /// # Errors
+    /// A width that the material refuses; a target that it cannot reach, or a strain that is not
+    /// finite, at its leg.
+    pub fn drive(&self, material: &Material) -> Result<PointTest, Error> {
+        let size = self.file.size.map_or(1.0, Positive::get);
+        material.accept_size(size)?;
+        let initial = self
+            .file
+            .initial_stress
+            .map_or([0.0; 6], |s| s.map(Finite::get));
+        let law = PointAdapter::new(OneByOne(material.clone()));
+        let point = PointDriver::new(law).with_size(size);
+        let point = point.and_then(|point| point.with_initial(Stress(initial)));
+        let mut point = point.map_err(powerhouse_model::ModelError::from)?;
+        let mut records = vec![point.state().clone()];
+        for leg in &self.file.legs {
+            let place = |fault| Error::from(SceneFault::new(self.text.clone(), fault));
+            let (targets, steps) = leg.targets(point.state()).map_err(place)?;
+            for target in targets {
+                let advanced = point.advance(target, steps);
+                records.extend(advanced.map_err(|e| place(Fault::refused(leg.span(), e)))?);
+            }
+        }
+        Ok(PointTest {
+            law: material.name().into(),
+            variables: material.history().to_vec(),
+            records,
+        })
+    }
+}
+
+impl Material {
+    /// Reads a material from a file with `[[material]]` tables as in scenes; a scene will do. Without
+    /// a name the file must have one material.
+    ///
+    /// # Errors
+    /// A file that cannot be read; a fault in it, with line and column.
+    pub fn from_file(
+        path: impl AsRef<Path>,
+        name: Option<&str>,
+        registry: &Registry,
+    ) -> Result<Self, Error> {
+        let text = read(path.as_ref())?;
+        let found = format::decode_materials(&text.text).and_then(|tables| {
+            let available = || tables.iter().map(|table| table.name.to_string()).collect();
+            let wanted = match name {
+                Some(name) => tables.iter().find(|table| *table.name == *name),
+                None if tables.len() == 1 => tables.first(),
+                None => None,
+            };
+            let table = wanted.ok_or_else(|| {
+                let problem = Problem::NoSuchName {
+                    what: "single material, or one of the name",
+                    name: name.unwrap_or_default().into(),
+                    available: available(),
+                };
+                Fault::new(0..0, problem)
+            })?;
+            registry.material(table)
+        });
+        Ok(found.map_err(|fault| SceneFault::new(text, fault))?)
+    }
+}
+
+/// What a point went through.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointTest {
+    /// The law's name.
+    pub law: String,
+    /// Its history variables.
+    pub variables: Vec<HistoryVariable>,
+    /// The start and the end of every step.
+    pub records: Vec<PointRecord>,
+}
+
+impl PointTest {
+    /// Strains, stresses, principal stresses, work and history against steps.
+    pub fn columns(&self) -> Vec<TableColumn> {
+        let column = |name: String, unit: &str, value: &dyn Fn(&PointRecord) -> f64| {
+            TableColumn::new(name, unit, self.records.iter().map(value).collect())
+        };
+        let steps = (0..self.records.len()).map(|step| step as f64).collect();
+        let mut columns = vec![TableColumn::new("step", "1", steps)];
+        for (i, component) in COMPONENTS.iter().enumerate() {
+            columns.push(column(format!("strain {component}"), "1", &|r| {
+                r.strain.0[i]
+            }));
+        }
+        for (i, component) in COMPONENTS.iter().enumerate() {
+            columns.push(column(format!("stress {component}"), "Pa", &|r| {
+                r.stress.0[i]
+            }));
+        }
+        for i in 0..3 {
+            let name = format!("principal stress {}", i + 1);
+            columns.push(column(name, "Pa", &|r| principal_stresses(&r.stress)[i]));
+        }
+        columns.push(column("work".into(), "J/m3", &|r| r.work));
+        for (i, variable) in self.variables.iter().enumerate() {
+            columns.push(column(variable.name.into(), variable.unit, &|r| {
+                r.history[i]
+            }));
+        }
+        columns
+    }
+
+    /// The component whose strain goes furthest.
+    fn component(&self) -> usize {
+        let reach = |i: usize| {
+            let strains = self.records.iter().map(|record| record.strain.0[i].abs());
+            strains.fold(0.0, f64::max)
+        };
+        (0..6)
+            .rev()
+            .max_by(|&a, &b| reach(a).total_cmp(&reach(b)))
+            .unwrap_or(0)
+    }
+
+    /// The name of the component whose strain goes furthest and the least and greatest stress (Pa)
+    /// of it.
+    pub fn extremes(&self) -> (&'static str, [f64; 2]) {
+        let i = self.component();
+        let stresses = self.records.iter().map(|record| record.stress.0[i]);
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        let extremes = stresses.fold(start, |[low, high], s| [low.min(s), high.max(s)]);
+        (COMPONENTS[i], extremes)
+    }
+
+    /// Writes the columns as CSV, and the stress against the strain that goes furthest as SVG, with
+    /// the amounts that the law remembers below it; returns both files, `point.csv` and
+    /// `point.svg`.
+    ///
+    /// # Errors
+    /// The file that could not be written.
+    pub fn write(&self, folder: &Path) -> Result<[PathBuf; 2], Error> {
+        let files = [folder.join("point.csv"), folder.join("point.svg")];
+        let columns = self.columns();
+        write_table(&files[0], &columns)?;
+        let i = self.component();
+        let (strain, stress) = (&columns[1 + i], &columns[7 + i]);
+        fn curve<'a>(strain: &'a TableColumn, column: &'a TableColumn) -> PlotCurve<'a> {
+            PlotCurve {
+                name: &column.name,
+                x: &strain.values,
+                y: &column.values,
+            }
+        }
+        let panel = |unit: &str, curves| PlotPanel {
+            label: String::new(),
+            unit: unit.into(),
+            curves,
+        };
+        let mut panels = vec![panel("Pa", vec![curve(strain, stress)])];
+        let amounts = self.variables.iter().zip(&columns[17..]);
+        let amounts = amounts.filter(|(variable, column)| {
+            variable.kind == HistoryKind::Amount && column.values.iter().any(|v| *v != 0.0)
+        });
+        let amounts: Vec<PlotCurve> = amounts.map(|(_, column)| curve(strain, column)).collect();
+        if !amounts.is_empty() {
+            panels.push(panel("1", amounts));
+        }
+        let plot = Plot {
+            title: self.law.clone(),
+            label: strain.name.clone(),
+            unit: "1".into(),
+            panels,
+        };
+        write_plot(&files[1], &plot)?;
+        Ok(files)
+    }
+}

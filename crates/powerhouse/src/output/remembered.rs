@@ -1,0 +1,64 @@
+//! What the laws of a scene remember, and where.
+
+use powerhouse_explicit_core::observe::StatePeaks;
+use powerhouse_model::{Cadence, HistoryVariable, Mesh, ModelError};
+
+use super::OutputPlan;
+use crate::{Error, Part};
+
+/// No run lasts so long (s): what is looked at in this interval is seen at its start and end.
+const EVER: f64 = f64::MAX;
+
+/// What the laws of a scene remember, and where.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Remembered {
+    /// All variables, each name once.
+    pub(crate) variables: Vec<HistoryVariable>,
+    /// Those of the law of each element.
+    of_parts: Vec<Vec<HistoryVariable>>,
+    part_of: Vec<Option<usize>>,
+}
+
+impl Remembered {
+    /// The variables of parts.
+    pub(crate) fn of(mesh: &Mesh, parts: &[Part]) -> Result<Self, Error> {
+        let mut found = Self {
+            variables: Vec::new(),
+            of_parts: Vec::new(),
+            part_of: vec![None; mesh.element_count()],
+        };
+        for (index, part) in parts.iter().enumerate() {
+            let of_part = part.material.history();
+            found.of_parts.push(of_part.to_vec());
+            for &element in mesh.element_set(&part.set)? {
+                found.part_of[element as usize] = Some(index);
+            }
+            for variable in of_part {
+                if found.variables.iter().all(|v| v.name != variable.name) {
+                    found.variables.push(*variable);
+                }
+            }
+        }
+        Ok(found)
+    }
+    /// The variables of the law of an element.
+    pub(crate) fn of_element(&self, element: u32) -> &[HistoryVariable] {
+        self.part_of[element as usize].map_or(&[], |part| &self.of_parts[part])
+    }
+    /// The observer of the greatest values; none if nothing is remembered.
+    pub(crate) fn peaks(
+        &self,
+        plan: &OutputPlan,
+        mesh: &Mesh,
+    ) -> Result<Option<StatePeaks>, Error> {
+        if self.variables.is_empty() {
+            return Ok(None);
+        }
+        let remembers = |&element: &u32| !self.of_element(element).is_empty();
+        let elements = (0..mesh.element_count() as u32).filter(remembers);
+        let elements: Vec<u32> = elements.collect();
+        let cadence = Cadence::Seconds(plan.state.every.unwrap_or(EVER));
+        let peaks = StatePeaks::new(mesh, &elements, &self.variables, cadence);
+        Ok(Some(peaks.map_err(ModelError::from)?))
+    }
+}
