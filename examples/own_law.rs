@@ -1,8 +1,11 @@
-//! A constitutive law of one's own, in thirty lines, in a scene like any other.
+//! A constitutive law of one's own, in a scene like any other: in thirty lines, then with a memory
+//! and an account of its energy, then in lanes.
 //!
 //! Builds on `free_field`. Soil that softens in shear: the modulus falls with the shear strain
-//! `gamma` as `G / (1 + gamma / gamma_ref)` (the hyperbola of Hardin & Drnevich, 1972), without
-//! hysteresis.
+//! `gamma` as `G / (1 + gamma / gamma_ref)` (the hyperbola of Hardin & Drnevich, 1972). The first
+//! form has no memory. The second remembers the largest shear strain so far and keeps the modulus
+//! that goes with it; what it takes when it softens further is damage. The third is the second for
+//! as many elements at once as the processor takes, and gives the same bits.
 //!
 //! ```text
 //!      z = 0   +---+  free surface           a column of soil, 40 m, one element across,
@@ -12,7 +15,8 @@
 //!     z = -40  +---+  absorbing, SV wave in
 //! ```
 //!
-//! A wave of small strain must not notice the softening; a strong one is slowed down.
+//! A wave of small strain must not notice the softening; a strong one is slowed down. The energy
+//! that a law with memory takes is damage alone, and the balance closes.
 //!
 //! Run: `cargo run --release --example own_law`
 
@@ -23,12 +27,16 @@ use powerhouse::boundary::Viscous;
 use powerhouse::engine::Support;
 use powerhouse::engine::observe::Motion;
 use powerhouse::material::LinearElastic;
-use powerhouse::model::{ElasticMedium, HistoryVariable, LawInput, Mesh, PointLaw, Stress, Vec3};
+use powerhouse::model::{
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Mesh, PointLaw,
+    Stress, Vec3,
+};
 use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, RaisedCosinePulse, WaveKind};
-use powerhouse::{Boundary, Material, OutputPlan, Part, RunHooks, Scene};
+use powerhouse::{Boundary, Material, OutputPlan, Part, Results, RunHooks, Scene};
 use powerhouse_examples::Figures;
 
 /// Soil whose shear modulus falls with the shear strain.
+#[derive(Clone)]
 struct Hyperbolic {
     medium: ElasticMedium,
     /// The shear strain at which half the modulus is left.
@@ -42,7 +50,7 @@ impl PointLaw for Hyperbolic {
     fn medium(&self) -> ElasticMedium {
         self.medium
     }
-    fn history(&self) -> &'static [HistoryVariable] {
+    fn history(&self) -> &[HistoryVariable] {
         &[]
     }
     fn stress_change(&self, input: &LawInput<f64>, _new_history: &mut [f64]) -> Stress {
@@ -57,12 +65,94 @@ impl PointLaw for Hyperbolic {
     }
 }
 
+/// Soil that remembers the largest shear strain so far, for any lane.
+#[derive(Clone)]
+struct Remembering(Hyperbolic);
+
+/// What it remembers: a name, a unit, and how results show it.
+const MEMORY: [HistoryVariable; 1] = [HistoryVariable::amount("largest_shear_strain", "1")];
+
+impl Remembering {
+    /// The share of the shear modulus that is left after a shear strain.
+    #[inline(always)]
+    fn left<L: Lane>(&self, largest: L) -> L {
+        let one = largest.constant(1.0);
+        one / (one + largest * largest.constant(1.0 / self.0.reference_strain))
+    }
+}
+
+impl ConstitutiveLaw for Remembering {
+    fn name(&self) -> &str {
+        "remembering"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0.medium
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        &MEMORY
+    }
+    // Inlined, so that it is compiled for the instructions that the processor has.
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        let [.., xy, yz, zx] = input.strain.0;
+        let strain = xy.mul_add(xy, yz.mul_add(yz, zx * zx)).sqrt();
+        new_history[0] = input.history[0].max(strain);
+        let (lambda, shear) = (self.0.medium.lambda(), self.0.medium.shear());
+        let mut stress = Stress::elastic(xy.constant(lambda), xy.constant(shear), &input.strain);
+        let left = self.left(new_history[0]);
+        for shear in &mut stress.0[3..] {
+            *shear = left * *shear;
+        }
+        stress
+    }
+    // Without it the energy that softening takes would count as plastic.
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
+        let [xx, yy, zz, xy, yz, zx] = input.strain.0;
+        let half = |value: f64| xy.constant(0.5 * value);
+        let (lambda, shear) = (self.0.medium.lambda(), self.0.medium.shear());
+        let volume = xx + yy + zz;
+        let squares = xx.mul_add(xx, yy.mul_add(yy, zz * zz));
+        let normal = half(lambda) * volume * volume + half(2.0 * shear) * squares;
+        let sheared = half(shear) * xy.mul_add(xy, yz.mul_add(yz, zx * zx));
+        let (before, after) = (self.left(input.history[0]), self.left(new_history[0]));
+        let none = xy.constant(0.0);
+        Some(LawEnergy {
+            stored: after.mul_add(sheared, normal),
+            plastic: none,
+            damage: sheared * (before - after),
+            recovered: none,
+        })
+    }
+}
+
+/// The same law one point at a time, through the socket of the first.
+struct OneByOne(Remembering);
+
+impl PointLaw for OneByOne {
+    fn name(&self) -> &str {
+        "one by one"
+    }
+    fn medium(&self) -> ElasticMedium {
+        ConstitutiveLaw::medium(&self.0)
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        &MEMORY
+    }
+    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
+        ConstitutiveLaw::stress_change(&self.0, input, new_history)
+    }
+    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
+        ConstitutiveLaw::energy(&self.0, input, new_history)
+    }
+}
+
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 const DEPTH: f64 = 40.0;
 
-/// The horizontal displacement of the surface over time, for an incident amplitude (m).
-fn surface_motion(material: Material, amplitude: f64) -> Outcome<Vec<f64>> {
+/// The motion of the surface over time and the energies, for an incident amplitude (m).
+fn shake(material: Material, amplitude: f64) -> Outcome<Results> {
     let medium = material.medium();
     let low = Vec3::new(0.0, 0.0, -DEPTH);
     let mesh = Mesh::box_of_hexes(low, Vec3::new(1.0, 1.0, 0.0), [1, 1, 40], "soil")?;
@@ -70,26 +160,31 @@ fn surface_motion(material: Material, amplitude: f64) -> Outcome<Vec<f64>> {
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, medium, 0.0);
     parameters.reference = low;
     let pulse = RaisedCosinePulse::new(amplitude, 0.4)?;
-    let results = Scene::new("soil column", mesh)
+    let output = OutputPlan {
+        energies: Some(0.01),
+        ..OutputPlan::default()
+    };
+    let top = Vec3::new(0.5, 0.5, 0.0);
+    let output = output
+        .history("top", top, Motion::DISPLACEMENT)
+        .state("top soil", top);
+    Ok(Scene::new("soil column", mesh)
         .part(Part::new("soil", material))
         .support(Support::roller(all.clone(), Vec3::y()))
         .support(Support::roller(all, Vec3::z()))
         .field(PlaneWave::new(parameters, Arc::new(pulse))?)
         .boundary(Boundary::new(Viscous::default(), ["bottom"]))
         .duration(1.5)
-        .output(OutputPlan::default().history(
-            "top",
-            Vec3::new(0.5, 0.5, 0.0),
-            Motion::DISPLACEMENT,
-        ))
+        .output(output)
         .prepare()?
-        .run(RunHooks::default())?;
-    Ok(results
-        .histories
-        .column("top.ux")
-        .ok_or("no column")?
-        .values
-        .clone())
+        .run(RunHooks::default())?)
+}
+
+/// The horizontal displacement of the surface over time, for an incident amplitude (m).
+fn surface_motion(material: Material, amplitude: f64) -> Outcome<Vec<f64>> {
+    let results = shake(material, amplitude)?;
+    let column = results.histories.column("top.ux").ok_or("no column")?;
+    Ok(column.values.clone())
 }
 
 /// Largest difference of two motions over the peak of the first.
@@ -126,6 +221,50 @@ fn figures() -> Outcome<Figures> {
         strong,
         "a strong wave arrives late and changed",
     );
+
+    let law = || {
+        Remembering(Hyperbolic {
+            medium: soil,
+            reference_strain: 1e-3,
+        })
+    };
+    let wide = shake(Material::new(law()), 0.05)?;
+    let narrow = shake(Material::from_point_law(OneByOne(law())), 0.05)?;
+    let column = |results: &Results, name: &str| -> Outcome<Vec<f64>> {
+        let column = results.histories.column(name).ok_or("no column")?;
+        Ok(column.values.clone())
+    };
+    let largest = "top soil.largest_shear_strain";
+    for name in ["top.ux", largest] {
+        let apart = difference(&column(&wide, name)?, &column(&narrow, name)?);
+        figures.at_most(
+            &format!("own_law.lanes.{}", name.replace(' ', "_")),
+            apart,
+            0.0,
+        );
+    }
+    let strains = column(&wide, largest)?;
+    let falls = strains
+        .windows(2)
+        .map(|pair| pair[0] - pair[1])
+        .fold(0.0, f64::max);
+    figures.at_most("own_law.memory.falls", falls, 0.0);
+    figures.report(
+        "own_law.memory.largest_strain",
+        strains.last().copied().unwrap_or_default(),
+        "the top of the soil remembers",
+    );
+    let energy = |name: &str| -> Outcome<f64> {
+        let terms = wide.energy_terms();
+        let term = terms.iter().find(|(term, _)| *term == name);
+        Ok(term.ok_or("no energy")?.1)
+    };
+    let taken = energy("damage")?;
+    figures.report("own_law.energy.damage", taken, "J, taken by softening");
+    // What the steps leave is of their second order, the softening of a step of their first.
+    let left = energy("integration")?.abs() / taken;
+    figures.at_most("own_law.energy.integration", left, 0.05);
+    figures.at_most("own_law.energy.residual", wide.run.energy_residual, 1e-10);
     Ok(figures)
 }
 

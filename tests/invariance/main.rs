@@ -4,3 +4,4 @@ mod bits;
 mod bonded_cavern;
 mod direction;
 mod joints;
+mod laws;

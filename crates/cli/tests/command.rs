@@ -333,3 +333,95 @@ fn schema_is_printed() {
     let schema = text(&output.stdout);
     assert!(schema.starts_with('{') && schema.contains("\"self_check\""));
 }
+
+/// `drive` leads a point of a scene's material along a path: the paper's concrete opens, closes and
+/// crushes; its table holds what the law remembers, and a fault of the path is shown at its place.
+#[test]
+fn drive_leads_a_point() {
+    let scene = Scene::new("drive", |scene| {
+        scene.replace(
+            "name = \"concrete\"\nlaw = \"elastic\"\nyoung = 25.0e9\npoisson = 0.17\ndensity = 2500\n",
+            "name = \"concrete\"\nlaw = \"plastic-damage\"\npreset = \"paper-c25\"\n",
+        )
+    });
+    let path = scene.folder.join("path.toml").display().to_string();
+    let drive = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        let (law, out) = (scene.path(), scene.out());
+        powerhouse(&[
+            "drive",
+            &law,
+            &path,
+            "--material",
+            "concrete",
+            "--out",
+            &out,
+        ])
+    };
+    let cycle = "size = 0.5\n[[leg]]\nkind = \"cyclic\"\nstrains = [3e-4, -1e-3]\nsteps = 50\n\
+                 [[leg]]\nkind = \"mixed\"\nzz = { strain = 0 }\nxx = { stress = -1e5 }\nyy = { stress = -1e5 }\n";
+    let output = drive(cycle);
+    let (told, errors) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    for passage in [
+        "plastic-damage: 200 steps",
+        "warning: ",
+        "damage_type 3",
+        "point.svg",
+    ] {
+        assert!(told.contains(passage), "{passage}: {told}");
+    }
+    let table = std::fs::read_to_string(scene.folder.join("out/point.csv")).unwrap();
+    assert_eq!(table.lines().count(), 202);
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let place = |name: &str| {
+        header
+            .iter()
+            .position(|column| column.starts_with(name))
+            .unwrap()
+    };
+    let value = |row: usize, name: &str| -> f64 {
+        let row = table.lines().nth(1 + row).unwrap();
+        row.split(',').nth(place(name)).unwrap().parse().unwrap()
+    };
+    // The surface in force yields at 1.006 MPa: G / (h f) = 264 microstrains leave a tail at 300.
+    let peak = (0..=50)
+        .map(|row| value(row, "stress zz"))
+        .fold(0.0, f64::max);
+    assert!((0.97e6..1.006e6).contains(&peak), "{peak}");
+    assert!(value(50, "damage_tension") > 0.5 && value(50, "strain zz") == 3e-4);
+    assert!(value(100, "stress zz") < -5e6);
+    assert!((value(200, "stress xx") + 1e5).abs() < 1.0);
+
+    for (wrong, place, message) in [
+        (
+            "[[leg]]\nkind = \"uniaxal\"\nstrain = 1\n",
+            "path.toml:2:",
+            "'uniaxal' is not permitted",
+        ),
+        ("size = -1\nleg = []\n", "path.toml:1:", "a number above 0"),
+        (
+            "[[leg]]\nkind = \"mixed\"\nxx = { strain = 0, stress = 0 }\n",
+            "path.toml:3:",
+            "exactly one of strain, stress",
+        ),
+        ("leg = []\n[[leg]]\n", "path.toml:2:", "duplicate"),
+        (
+            "[[leg]]\nkind = \"triaxial\"\nlateral = 5e6\nstrain = 0\n",
+            "path.toml:1:",
+            "misses its target",
+        ),
+    ] {
+        let output = drive(wrong);
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+        assert!(
+            told.contains(place) && told.contains(message),
+            "{wrong}: {told}"
+        );
+    }
+    // A width at which the concrete snaps back.
+    let output = drive("size = 20\nleg = []\n");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("snaps back"));
+}

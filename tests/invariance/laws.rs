@@ -1,0 +1,162 @@
+//! The same bits with laws that yield and crack, however the work is divided, and across a restart.
+
+use powerhouse_explicit_core::{
+    BlockOptions, LaneWidth, Leapfrog, Model, Precision, RunOptions, SolidKernel, StepChoice, run,
+};
+use powerhouse_material_damage::{
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, Mazars, MohrCoulomb,
+    MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, TwoSurface, presets,
+};
+use powerhouse_model::{ConstitutiveLaw, Mesh, State, Vec3};
+
+/// How a run is divided.
+#[derive(Clone, Copy)]
+struct Division {
+    lanes: LaneWidth,
+    threads: usize,
+    /// Whether another model goes on from the state after half of the steps.
+    interrupted: bool,
+}
+
+/// A distorted box that fills no lane evenly, shaken until part of it yields.
+fn state(
+    law: &impl ConstitutiveLaw,
+    kernel: SolidKernel,
+    precision: Precision,
+    division: Division,
+) -> State {
+    let boxed = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(3.5, 2.5, 2.0), [7, 5, 4], "rock");
+    let shift = |x: &Vec3| Vec3::new((3.0 * x.y).sin(), (2.0 * x.z).cos(), (2.5 * x.x).sin());
+    let mesh = boxed
+        .unwrap()
+        .map_positions(|x| x + 0.05 * shift(&x))
+        .unwrap();
+    let mut options = BlockOptions::default();
+    options.precision = precision;
+    options.lanes = division.lanes;
+    let build = || {
+        let factory = kernel.factory("rock", law.clone(), options);
+        let builder = Model::builder(&mesh).elements("rock", factory);
+        builder
+            .threads(division.threads)
+            .part_size(32)
+            .build()
+            .unwrap()
+    };
+    let velocity = |x: &Vec3| Vec3::new((1.5 * x.x).sin(), (2.0 * x.y).cos(), (x.x + x.z).sin());
+    let velocities: Vec<Vec3> = mesh.positions().iter().map(|x| velocity(x) * 0.5).collect();
+    let mut model = build();
+    let rest = vec![Vec3::zeros(); mesh.node_count()];
+    model.set_initial(&rest, &velocities).unwrap();
+    let steps = |model: &mut Model, count| {
+        let options = RunOptions::steps(count).with_step(StepChoice::Unchecked(2e-5));
+        run(model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+    };
+    steps(&mut model, 30);
+    if division.interrupted {
+        let state = model.state();
+        model = build();
+        model.set_state(&state).unwrap();
+    }
+    steps(&mut model, 30);
+    model.state()
+}
+
+/// Fails if threads, lanes or a restart leave a trace.
+fn check(law: impl ConstitutiveLaw) {
+    let whole = Division {
+        lanes: LaneWidth::Native,
+        threads: 1,
+        interrupted: false,
+    };
+    let kernels = [SolidKernel::ALL[0], SolidKernel::Hex8Full];
+    for (kernel, precision) in kernels
+        .into_iter()
+        .flat_map(|kernel| [Precision::F64, Precision::Mixed].map(|precision| (kernel, precision)))
+    {
+        let reference = state(&law, kernel, precision, whole);
+        let most = |name: &str| {
+            let fields = reference.history.iter().filter(|field| field.name == name);
+            fields
+                .flat_map(|field| field.values.clone())
+                .fold(0.0, f64::max)
+        };
+        let spent = most("equivalent_plastic_strain").max(most("damage"));
+        assert!(spent > 1e-6, "{} does not yield: {spent}", law.name());
+        for (what, other) in [
+            (
+                "three threads",
+                Division {
+                    threads: 3,
+                    ..whole
+                },
+            ),
+            (
+                "one lane",
+                Division {
+                    lanes: LaneWidth::One,
+                    ..whole
+                },
+            ),
+            (
+                "a restart",
+                Division {
+                    interrupted: true,
+                    ..whole
+                },
+            ),
+        ] {
+            let found = state(&law, kernel, precision, other);
+            let bits = |state: &State| -> Vec<u64> {
+                let motion = state.displacement.iter().chain(&state.velocity);
+                let history = state.history.iter().flat_map(|field| &field.values);
+                let numbers = motion.flat_map(|v| v.iter()).chain(history);
+                numbers.map(|number| number.to_bits()).collect()
+            };
+            let case = format!("{} {} {precision:?}: {what}", law.name(), kernel.name());
+            assert_eq!(bits(&reference).len(), bits(&found).len(), "{case}");
+            assert!(bits(&reference) == bits(&found), "{case}");
+        }
+    }
+}
+
+/// Plastic laws: motion, plastic strains and yield states have the same bits for any number of
+/// threads, for one lane and many, and across a restart from the state.
+#[test]
+fn plastic_laws_have_the_same_bits() {
+    let rock = presets::PAPER_ROCK;
+    check(ElastoPlastic::new(MohrCoulomb::new(rock).unwrap()));
+    let MohrCoulombParameters {
+        medium,
+        friction,
+        cohesion,
+        ..
+    } = rock;
+    let cone = DruckerPrager::new(DruckerPragerParameters {
+        medium,
+        friction,
+        dilation: 10.0,
+        cohesion,
+        fit: ConeFit::Inscribed,
+    });
+    check(ElastoPlastic::new(cone.unwrap()));
+    check(ElastoPlastic::new(
+        TwoSurface::new(presets::PAPER_ROCK_LISTED).unwrap(),
+    ));
+}
+
+/// The same of laws with damage.
+#[test]
+fn so_do_laws_with_damage() {
+    check(presets::paper_concrete().unwrap());
+    let paper = presets::paper_concrete().unwrap();
+    let listed = PlasticDamageParameters {
+        surface: TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap(),
+        tension: paper.parameters().tension,
+        compression: paper.parameters().compression,
+        stiffness_recovery: 0.5,
+        residual_stiffness: 1e-3,
+    };
+    check(PlasticDamage::new(listed).unwrap());
+    check(Mazars::new(presets::PAPER_CONCRETE_MAZARS).unwrap());
+}
