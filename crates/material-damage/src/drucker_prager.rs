@@ -1,6 +1,6 @@
 //! The cone of Drucker and Prager.
 
-use powerhouse_model::{ElasticMedium, Lane, Stress};
+use powerhouse_model::{ElasticMedium, Lane, Stress, each};
 
 use crate::MaterialError;
 use crate::surface::{
@@ -177,15 +177,15 @@ impl YieldSurface for DruckerPrager {
         let to_apex = shear.less(flow);
         let divisor = shear.select(zero.less(shear), number(1.0));
         let scale = radius.max(zero) / divisor;
-        let on_cone = trial.map(|s| (s - mean).mul_add(scale, returned));
+        let on_cone = each(trial, |s| (s - mean).mul_add(scale, returned));
         let shrunk = flow / divisor;
-        let loss_to_cone = trial.map(|s| (s - mean).mul_add(shrunk, lowered));
+        let loss_to_cone = each(trial, |s| (s - mean).mul_add(shrunk, lowered));
         let apex = if self.friction > 0.0 {
             self.apex()
         } else {
             0.0
         };
-        let loss_to_apex = trial.map(|s| s - number(apex));
+        let loss_to_apex = each(trial, |s| s - number(apex));
         PrincipalReturn {
             stress: pick(to_apex, &[number(apex); 3], &on_cone),
             loss: pick(to_apex, &loss_to_apex, &loss_to_cone),

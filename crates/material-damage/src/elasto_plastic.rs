@@ -2,6 +2,7 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Strain, Stress,
+    array, each,
 };
 
 use crate::energy::{self, Step};
@@ -89,7 +90,7 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
         let old = input.history;
         let first = input.strain.0[0];
-        let elastic = Strain(core::array::from_fn(|i| input.strain.0[i] - old[i]));
+        let elastic = Strain(array(|i| input.strain.0[i] - old[i]));
         let lambda = first.constant(self.lambda);
         let change = Stress::elastic(lambda, first.constant(self.shear), &elastic);
         let trial = input.initial + change;
@@ -130,7 +131,7 @@ impl<S: YieldSurface> ElasticInSeries for ElastoPlastic<S> {
     }
     #[inline(always)]
     fn inelastic_strain<L: Lane>(&self, history: &[L]) -> Option<[L; 6]> {
-        Some(core::array::from_fn(|i| history[i]))
+        Some(array(|i| history[i]))
     }
 }
 
@@ -138,7 +139,7 @@ impl<S: YieldSurface> ElasticInSeries for ElastoPlastic<S> {
 /// numbers.
 #[inline(always)]
 fn equivalent<L: Lane>(strains: &[L; 3]) -> L {
-    let [a, b, c] = strains.map(|e| e.abs());
+    let [a, b, c] = each(strains, |e| e.abs());
     let largest = a.max(b).max(c);
     let zero = a.constant(0.0);
     let divisor = largest.select(zero.less(largest), a.constant(1.0));

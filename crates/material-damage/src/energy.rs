@@ -1,6 +1,6 @@
 //! Energies of points, for the ledger.
 
-use powerhouse_model::{ElasticMedium, Lane, LawEnergy, LawInput, Strain, Stress};
+use powerhouse_model::{ElasticMedium, Lane, LawEnergy, LawInput, Strain, Stress, array};
 
 use crate::surface::mean_and_shear;
 
@@ -80,5 +80,5 @@ pub(crate) fn of_flow_and_damage<L: Lane>(
 /// The difference of two strains that begin at a place of a history.
 #[inline(always)]
 pub(crate) fn difference<L: Lane>(after: &[L], before: &[L]) -> Strain<L> {
-    Strain(core::array::from_fn(|i| after[i] - before[i]))
+    Strain(array(|i| after[i] - before[i]))
 }

@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Strain, Stress,
+    ParameterError, Strain, Stress, array, each,
 };
 
 use crate::energy::of_flow_and_damage;
@@ -290,7 +290,7 @@ impl LeeFenves {
         let lowered = number(self.swelling) * flow;
         let mean = trial.mean - lowered;
         let left = one - released;
-        let stress = trial.deviators.map(|s| s.mul_add(left, mean));
+        let stress = each(&trial.deviators, |s| s.mul_add(left, mean));
         let tension = share_of_tension(&stress);
         let medium = &self.parameters.medium;
         let volume = lowered * number(1.0 / (3.0 * medium.bulk()));
@@ -393,7 +393,7 @@ impl ElasticInSeries for LeeFenves {
     }
     #[inline(always)]
     fn inelastic_strain<L: Lane>(&self, history: &[L]) -> Option<[L; 6]> {
-        Some(core::array::from_fn(|i| history[i]))
+        Some(array(|i| history[i]))
     }
 }
 
@@ -414,7 +414,7 @@ impl ConstitutiveLaw for LeeFenves {
         let first = input.strain.0[0];
         let number = |value: f64| first.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
-        let elastic = Strain(core::array::from_fn(|i| input.strain.0[i] - old[i]));
+        let elastic = Strain(array(|i| input.strain.0[i] - old[i]));
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let stress = input.initial + change;
         new_history.copy_from_slice(old);
@@ -450,7 +450,7 @@ impl ConstitutiveLaw for LeeFenves {
             let trial = Trial {
                 mean,
                 shear,
-                deviators: values.map(|s| s - mean),
+                deviators: each(&values, |s| s - mean),
                 old: strains,
                 rates,
             };

@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Stress,
+    ParameterError, Stress, array, each,
 };
 
 use crate::energy::Step;
@@ -237,18 +237,18 @@ impl ConstitutiveLaw for Mazars {
         let (own, common) = (number(1.0 + p.medium.poisson), number(p.medium.poisson));
         let strains = |stresses: [L; 3]| {
             let sum = common * (stresses[0] + stresses[1] + stresses[2]);
-            stresses.map(|s| own.mul_add(s, -sum))
+            each(&stresses, |s| own.mul_add(s, -sum))
         };
-        let stretches = strains(values).map(|e| e.max(zero));
-        let pulled = strains(values.map(|s| s.max(zero)));
+        let stretches = each(&strains(values), |e| e.max(zero));
+        let pulled = strains(each(&values, |s| s.max(zero)));
         // Divided by the largest, so that squares are numbers.
         let largest = stretches[0].max(stretches[1]).max(stretches[2]);
         let some = zero.less(largest);
         let divisor = largest.select(some, one);
-        let shares = stretches.map(|e| e / divisor);
+        let shares = each(&stretches, |e| e / divisor);
         let [a, b, c] = shares;
         let square = a.mul_add(a, b.mul_add(b, c * c));
-        let [x, y, z] = pulled.map(|e| e / divisor);
+        let [x, y, z] = each(&pulled, |e| e / divisor);
         let tensile = x.mul_add(a, y.mul_add(b, z * c));
         let weight = (tensile / square.select(some, one)).min(one).max(zero);
         let weight = weight.select(some, one);
@@ -277,7 +277,7 @@ impl ConstitutiveLaw for Mazars {
             new_history[variable] = value.select(damaged, old[variable]);
         }
         let left = one - damage;
-        Stress(core::array::from_fn(|i| {
+        Stress(array(|i| {
             let weakened = left * change.0[i] - damage * input.initial.0[i];
             weakened.select(damaged, change.0[i])
         }))

@@ -109,10 +109,10 @@ impl<L: Lane> Nearest<L> {
         loss: [L; 3],
         conditions: [L; C],
     ) {
-        let violation = conditions
-            .into_iter()
-            .reduce(Lane::max)
-            .unwrap_or(self.violation);
+        let mut violation = conditions[0];
+        for condition in &conditions[1..] {
+            violation = violation.max(*condition);
+        }
         let better = violation.less(self.violation);
         self.violation = violation.select(better, self.violation);
         self.stress = pick(better, &stress, &self.stress);
@@ -189,6 +189,7 @@ impl<L: Lane> Nearest<L> {
     }
 
     /// The least stress where a shear plane meets the cut-off (Pa).
+    #[inline(always)]
     fn least_at_cut_off(&self, plane: &ShearPlane) -> L {
         let least = plane.friction * self.tension - plane.strength;
         self.trial[0].constant(least)

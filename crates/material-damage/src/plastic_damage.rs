@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Strain, Stress,
+    ParameterError, Strain, Stress, array, each,
 };
 
 use crate::energy::of_flow_and_damage;
@@ -174,7 +174,7 @@ impl<S: YieldSurface> ElasticInSeries for PlasticDamage<S> {
     }
     #[inline(always)]
     fn inelastic_strain<L: Lane>(&self, history: &[L]) -> Option<[L; 6]> {
-        Some(core::array::from_fn(|i| history[i]))
+        Some(array(|i| history[i]))
     }
 }
 
@@ -183,9 +183,9 @@ impl<S: YieldSurface> ElasticInSeries for PlasticDamage<S> {
 pub(crate) fn share_of_tension<L: Lane>(stress: &[L; 3]) -> L {
     let zero = stress[0].constant(0.0);
     let one = stress[0].constant(1.0);
-    let [a, b, c] = stress.map(|s| s.abs());
+    let [a, b, c] = each(stress, |s| s.abs());
     let all = a + b + c;
-    let [a, b, c] = stress.map(|s| s.max(zero));
+    let [a, b, c] = each(stress, |s| s.max(zero));
     let some = zero.less(all);
     ((a + b + c) / all.select(some, one)).select(some, one)
 }
@@ -194,7 +194,7 @@ pub(crate) fn share_of_tension<L: Lane>(stress: &[L; 3]) -> L {
 #[inline(always)]
 fn positive<L: Lane>(numbers: [L; 3]) -> L {
     let zero = numbers[0].constant(0.0);
-    let [a, b, c] = numbers.map(|x| x.max(zero));
+    let [a, b, c] = each(&numbers, |x| x.max(zero));
     a + b + c
 }
 
@@ -221,9 +221,7 @@ pub(crate) fn weaken<L: Lane>(
     let is_torn = one.select(counts.less(torn), zero);
     let is_broken = (one + one).select(counts.less(broken), zero);
     history[DAMAGE_TYPE] = is_torn + is_broken;
-    Stress(core::array::from_fn(|i| {
-        left * change.0[i] - damage * initial.0[i]
-    }))
+    Stress(array(|i| left * change.0[i] - damage * initial.0[i]))
 }
 
 impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
@@ -242,7 +240,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         let first = input.strain.0[0];
         let number = |value: f64| first.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
-        let elastic = Strain(core::array::from_fn(|i| input.strain.0[i] - old[i]));
+        let elastic = Strain(array(|i| input.strain.0[i] - old[i]));
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let trial = input.initial + change;
         new_history.copy_from_slice(old);
@@ -256,7 +254,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
                 new_history[i] = old[i] + plastic[i];
             }
             let opened = old[TENSION] + positive(flow.plastic);
-            let crushed = (one - tension) * positive(flow.plastic.map(|e| -e));
+            let crushed = (one - tension) * positive(each(&flow.plastic, |e| -e));
             let crushed = old[COMPRESSION] + crushed;
             let most = 1.0 - self.parameters.residual_stiffness;
             let torn = self.tension.damage(opened, input.size, most);

@@ -1,6 +1,6 @@
 //! Principal values and directions of symmetric tensors, many at once.
 
-use powerhouse_model::{Lane, Scalar, Stress};
+use powerhouse_model::{Lane, Scalar, Stress, array, each};
 
 /// The most sweeps; quadratic convergence needs five for matrices of any kind.
 const MOST_SWEEPS: usize = 8;
@@ -43,14 +43,18 @@ impl<L: Lane> PrincipalAxes<L> {
     pub fn of(stress: &Stress<L>) -> Self {
         let one = stress.0[0].constant(1.0);
         let zero = stress.0[0].constant(0.0);
-        let largest = stress.0.map(|x| x.abs());
-        let largest = largest.into_iter().reduce(Lane::max).unwrap_or(zero);
+        let mut largest = stress.0[0].abs();
+        for entry in &stress.0[1..] {
+            largest = largest.max(entry.abs());
+        }
         let (down, up) = balance(largest);
         let size = largest * down;
         // Zero, or NaN if an entry is not finite: an entry off the diagonal could else be lost.
-        let finite = stress.0.map(|x| x * zero);
-        let finite = finite.into_iter().reduce(|a, b| a + b).unwrap_or(zero);
-        let [xx, yy, zz, xy, yz, zx] = stress.0.map(|x| x * down);
+        let mut finite = stress.0[0] * zero;
+        for entry in &stress.0[1..] {
+            finite = finite + *entry * zero;
+        }
+        let [xx, yy, zz, xy, yz, zx] = each(&stress.0, |x| x * down);
         let mut matrix = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
         // Columns are the directions.
         let mut turn = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
@@ -65,8 +69,8 @@ impl<L: Lane> PrincipalAxes<L> {
             rotate::<L, 1, 2, 0>(&mut matrix, &mut turn, size);
         }
         let mut axes = Self {
-            values: core::array::from_fn(|i| matrix[i][i] * up + finite),
-            directions: core::array::from_fn(|i| core::array::from_fn(|j| turn[j][i])),
+            values: array(|i| matrix[i][i] * up + finite),
+            directions: [column(&turn, 0), column(&turn, 1), column(&turn, 2)],
         };
         axes.order(0, 1);
         axes.order(1, 2);
@@ -78,11 +82,10 @@ impl<L: Lane> PrincipalAxes<L> {
     #[inline(always)]
     pub fn tensor(&self, values: &[L; 3]) -> [L; 6] {
         const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-        PLACES.map(|(row, column)| {
-            let [a, b, c] = core::array::from_fn(|i| {
-                values[i] * self.directions[i][row] * self.directions[i][column]
-            });
-            a + b + c
+        array(|place| {
+            let (row, column) = PLACES[place];
+            let part = |i: usize| values[i] * self.directions[i][row] * self.directions[i][column];
+            part(0) + part(1) + part(2)
         })
     }
 
@@ -99,6 +102,12 @@ impl<L: Lane> PrincipalAxes<L> {
             self.directions[second][i] = a.select(rising, b);
         }
     }
+}
+
+/// One column of a matrix.
+#[inline(always)]
+fn column<L: Lane>(matrix: &[[L; 3]; 3], place: usize) -> [L; 3] {
+    array(|row| matrix[row][place])
 }
 
 /// A power of two that brings a size to where its square neither overflows nor vanishes, and its

@@ -1,6 +1,6 @@
 //! What a yield surface says, and how a trial stress flows back to it.
 
-use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
+use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress, array, each};
 
 use crate::{MaterialError, PrincipalAxes};
 
@@ -154,7 +154,7 @@ impl<L: Lane> Flow<L> {
         let compliance = bound.constant(0.5 / medium.shear());
         let loss = returned.loss;
         let common = share * (loss[0] + loss[1] + loss[2]);
-        let plastic = loss.map(|x| (compliance * (x - common)).select(yielded, zero));
+        let plastic = each(&loss, |x| (compliance * (x - common)).select(yielded, zero));
         Some(Self {
             yielded,
             axes,
@@ -174,7 +174,7 @@ impl<L: Lane> Flow<L> {
         let first = elastic.0[0];
         let size = |values: &[L; 3]| values[0].abs().max(values[2].abs());
         let far = (size(&self.stress) * first.constant(FAR)).less(size(&self.axes.values));
-        Stress(core::array::from_fn(|i| {
+        Stress(array(|i| {
             let moved = replaced.0[i].select(far, corrected.0[i]);
             moved.select(self.yielded, elastic.0[i])
         }))
@@ -185,12 +185,13 @@ impl<L: Lane> Flow<L> {
     pub(crate) fn plastic_strain(&self) -> [L; 6] {
         let [xx, yy, zz, xy, yz, zx] = self.axes.tensor(&self.plastic);
         let zero = xx.constant(0.0);
-        [xx, yy, zz, xy + xy, yz + yz, zx + zx].map(|x| x.select(self.yielded, zero))
+        let strains = [xx, yy, zz, xy + xy, yz + yz, zx + zx];
+        each(&strains, |x| x.select(self.yielded, zero))
     }
 }
 
 /// One of two sets of three values, lane by lane.
 #[inline(always)]
 pub(crate) fn pick<L: Lane>(mask: L::Mask, this: &[L; 3], other: &[L; 3]) -> [L; 3] {
-    core::array::from_fn(|i| this[i].select(mask, other[i]))
+    array(|i| this[i].select(mask, other[i]))
 }

@@ -122,6 +122,29 @@ pub trait Lane:
     }
 }
 
+/// `f` of each number of an array.
+///
+/// Laws and kernels use this instead of `array::map`, which the compiler may keep as a function of
+/// its own, made for the oldest processor.
+#[inline(always)]
+pub fn each<L: Lane, const N: usize>(values: &[L; N], f: impl Fn(L) -> L) -> [L; N] {
+    let mut out = *values;
+    for value in &mut out {
+        *value = f(*value);
+    }
+    out
+}
+
+/// The array of `f` of each place; for laws and kernels, as [`each`], instead of `array::from_fn`.
+#[inline(always)]
+pub fn array<L: Lane, const N: usize>(f: impl Fn(usize) -> L) -> [L; N] {
+    let mut out = [f(0); N];
+    for (place, value) in out.iter_mut().enumerate().skip(1) {
+        *value = f(place);
+    }
+    out
+}
+
 macro_rules! scalar_lane {
     ($float:ty) => {
         impl Lane for $float {

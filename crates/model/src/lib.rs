@@ -52,7 +52,7 @@ pub use field::{FieldMotion, FieldSampler, IncidentField};
 pub use joint::{
     Bond, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView,
 };
-pub use lane::{Lane, Scalar};
+pub use lane::{Lane, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, LawInput, PointAdapter, PointLaw,
 };

@@ -1,6 +1,6 @@
 //! Symmetric tensors of second order.
 
-use crate::{Lane, Mat3, Vec3};
+use crate::{Lane, Mat3, Vec3, array};
 
 macro_rules! symmetric_tensor {
     ($(#[$doc:meta])* $name:ident) => {
@@ -26,7 +26,7 @@ macro_rules! symmetric_tensor {
             type Output = Self;
             #[inline(always)]
             fn add(self, other: Self) -> Self {
-                Self(core::array::from_fn(|i| self.0[i] + other.0[i]))
+                Self(array(|i| self.0[i] + other.0[i]))
             }
         }
 
@@ -34,7 +34,7 @@ macro_rules! symmetric_tensor {
             type Output = Self;
             #[inline(always)]
             fn sub(self, other: Self) -> Self {
-                Self(core::array::from_fn(|i| self.0[i] - other.0[i]))
+                Self(array(|i| self.0[i] - other.0[i]))
             }
         }
 
@@ -42,7 +42,7 @@ macro_rules! symmetric_tensor {
             type Output = Self;
             #[inline(always)]
             fn mul(self, factor: L) -> Self {
-                Self(core::array::from_fn(|i| self.0[i] * factor))
+                Self(array(|i| self.0[i] * factor))
             }
         }
     };

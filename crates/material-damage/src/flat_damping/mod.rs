@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Strain, Stress,
+    ParameterError, Strain, Stress, array,
 };
 
 use crate::history::strain;
@@ -109,11 +109,13 @@ impl Terms {
     /// The strain less its viscous part.
     #[inline(always)]
     fn asked<L: Lane>(&self, strain: &Strain<L>, before: &[L]) -> Strain<L> {
-        let shares = self.viscous.map(|share| strain.0[0].constant(-share));
-        Strain(core::array::from_fn(|i| {
-            (0..self.count).fold(strain.0[i], |rest, l| {
-                before[6 * l + i].mul_add(shares[l], rest)
-            })
+        Strain(array(|i| {
+            let mut rest = strain.0[i];
+            for l in 0..self.count {
+                let share = rest.constant(-self.viscous[l]);
+                rest = before[6 * l + i].mul_add(share, rest);
+            }
+            rest
         }))
     }
 }
@@ -191,7 +193,7 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
         let asked = asked.with_strain(terms.asked(&input.strain, before));
         let stress = self.asked.stress_change(&asked, of_law);
         let elastic = match self.asked.inelastic_strain(of_law) {
-            Some(inelastic) => core::array::from_fn(|i| input.strain.0[i] - inelastic[i]),
+            Some(inelastic) => array(|i| input.strain.0[i] - inelastic[i]),
             None => input.strain.0,
         };
         for l in 0..terms.count {
