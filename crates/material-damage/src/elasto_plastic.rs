@@ -80,6 +80,7 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
     fn name(&self) -> &str {
         self.surface.name()
     }
+    #[inline]
     fn medium(&self) -> ElasticMedium {
         self.surface.medium()
     }

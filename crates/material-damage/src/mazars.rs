@@ -189,6 +189,15 @@ impl Mazars {
     }
 }
 
+/// Principal strains times Young's modulus, of principal stresses (Pa).
+#[inline(always)]
+fn strains_times_young<L: Lane>(stresses: &[L; 3], poisson: f64) -> [L; 3] {
+    let number = |value: f64| stresses[0].constant(value);
+    let (own, common) = (number(1.0 + poisson), number(poisson));
+    let sum = common * (stresses[0] + stresses[1] + stresses[2]);
+    each(stresses, |s| own.mul_add(s, -sum))
+}
+
 impl ElasticInSeries for Mazars {
     /// The threshold is a strain: it falls as the moduli rise, so that the strength stays.
     fn with_stiffness(&self, factor: f64) -> Self {
@@ -234,13 +243,9 @@ impl ConstitutiveLaw for Mazars {
         let values = PrincipalAxes::of(&total).values;
 
         // Principal strains times E, of all principal stresses and of the tensile ones.
-        let (own, common) = (number(1.0 + p.medium.poisson), number(p.medium.poisson));
-        let strains = |stresses: [L; 3]| {
-            let sum = common * (stresses[0] + stresses[1] + stresses[2]);
-            each(&stresses, |s| own.mul_add(s, -sum))
-        };
-        let stretches = each(&strains(values), |e| e.max(zero));
-        let pulled = strains(each(&values, |s| s.max(zero)));
+        let poisson = p.medium.poisson;
+        let stretches = each(&strains_times_young(&values, poisson), |e| e.max(zero));
+        let pulled = strains_times_young(&each(&values, |s| s.max(zero)), poisson);
         // Divided by the largest, so that squares are numbers.
         let largest = stretches[0].max(stretches[1]).max(stretches[2]);
         let some = zero.less(largest);

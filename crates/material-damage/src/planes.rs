@@ -136,11 +136,6 @@ impl<L: Lane> Nearest<L> {
         // Change of mean stress for a unit of shear flow, x = (m, 0, -1).
         let dilated = self.volumetric * (m - 1.0);
         let swelling = number(dilated);
-        let outside = |greatest: L| {
-            let above = greatest - number(to);
-            from.map_or(above, |from| above.max(number(from) - greatest))
-        };
-
         // Face.
         let excess = friction * s1 - s3 - strength;
         let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 1.0));
@@ -153,7 +148,12 @@ impl<L: Lane> Nearest<L> {
             Shear,
             [greatest, middle, least],
             loss,
-            [-excess, middle - greatest, below, outside(greatest)],
+            [
+                -excess,
+                middle - greatest,
+                below,
+                outside(greatest, from, to),
+            ],
         );
 
         // Edge of equal greater stresses: x1 + x2 = m g, x1 - x2 = s1 - s2, x3 = -g.
@@ -168,7 +168,7 @@ impl<L: Lane> Nearest<L> {
             Shear,
             [greatest, greatest, least],
             [lowered + apart, lowered - apart, swelling * flow - flow],
-            [s1 - s2 - dilation * flow, outside(greatest)],
+            [s1 - s2 - dilation * flow, outside(greatest, from, to)],
         );
 
         // Edge of equal lesser stresses: x1 = m g, x2 + x3 = -g, x2 - x3 = s2 - s3.
@@ -184,7 +184,7 @@ impl<L: Lane> Nearest<L> {
             Shear,
             [greatest, least, least],
             [lowered, raised + apart, raised - apart],
-            [s2 - s3 - flow, outside(greatest)],
+            [s2 - s3 - flow, outside(greatest, from, to)],
         );
     }
 
@@ -268,5 +268,15 @@ impl<L: Lane> Nearest<L> {
             [over[0], below[0], below[1]],
             [x2, -(x1 + dilation * (x2 + x3))],
         );
+    }
+}
+
+/// By how much a stress lies outside a range (Pa), not positive within it.
+#[inline(always)]
+fn outside<L: Lane>(stress: L, from: Option<f64>, to: f64) -> L {
+    let above = stress - stress.constant(to);
+    match from {
+        Some(from) => above.max(stress.constant(from) - stress),
+        None => above,
     }
 }

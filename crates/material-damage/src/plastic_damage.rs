@@ -228,6 +228,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
     fn name(&self) -> &str {
         "plastic-damage"
     }
+    #[inline]
     fn medium(&self) -> ElasticMedium {
         self.parameters.surface.medium()
     }

@@ -81,12 +81,23 @@ impl<L: Lane> PrincipalAxes<L> {
     /// The symmetric tensor with these axes and other values, components xx yy zz xy yz zx.
     #[inline(always)]
     pub fn tensor(&self, values: &[L; 3]) -> [L; 6] {
-        const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-        array(|place| {
-            let (row, column) = PLACES[place];
-            let part = |i: usize| values[i] * self.directions[i][row] * self.directions[i][column];
-            part(0) + part(1) + part(2)
-        })
+        [
+            self.entry(values, 0, 0),
+            self.entry(values, 1, 1),
+            self.entry(values, 2, 2),
+            self.entry(values, 0, 1),
+            self.entry(values, 1, 2),
+            self.entry(values, 2, 0),
+        ]
+    }
+
+    /// One entry of that tensor.
+    #[inline(always)]
+    fn entry(&self, values: &[L; 3], row: usize, column: usize) -> L {
+        let [a, b, c] = &self.directions;
+        values[0] * a[row] * a[column]
+            + values[1] * b[row] * b[column]
+            + values[2] * c[row] * c[column]
     }
 
     /// Exchanges two neighbours that stand in rising order.
