@@ -195,7 +195,7 @@ fn what_floats_is_refused() {
     assert!(motion.starts_with("turn about"), "{motion}");
 }
 
-/// Half a ring around a hole: inner radius 1 m, bricks growing outwards, one thick.
+/// A quarter of a ring around a hole: inner radius 1 m, bricks growing outwards, one thick.
 fn ring(outer: f64, cells: [usize; 2]) -> Mesh {
     let thickness = 0.5;
     let unit = Vec3::new(1.0, 1.0, thickness);

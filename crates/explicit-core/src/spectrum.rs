@@ -51,11 +51,11 @@ impl Model {
             products: 0,
             converged: true,
         };
-        let norm = dot(&present, &present).sqrt();
-        if norm == 0.0 {
+        let size = norm(&present);
+        if size == 0.0 {
             return found;
         }
-        present.par_iter_mut().for_each(|x| *x /= norm);
+        present.par_iter_mut().for_each(|x| *x /= size);
         loop {
             let mut next = self.scaled_product(&scale, &present, &weight);
             let alpha = dot(&next, &present);
@@ -64,7 +64,7 @@ impl Model {
                 .zip(&present)
                 .zip(&previous)
                 .for_each(|((w, x), y)| *w -= x * alpha + y * beta_before);
-            let beta = dot(&next, &next).sqrt();
+            let beta = norm(&next);
             diagonal.push(alpha);
             off.push(beta);
             found.products += 1;
@@ -195,6 +195,11 @@ pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
         .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum())
         .collect();
     parts.iter().sum()
+}
+
+/// The Euclidean norm.
+pub(crate) fn norm(a: &[Vec3]) -> f64 {
+    dot(a, a).sqrt()
 }
 
 /// A number in [-1, 1) from an integer (the mixer of Steele, Lea & Flood 2014).

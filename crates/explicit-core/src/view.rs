@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use powerhouse_model::{JointView, StepView, Stress, Vec3};
+use powerhouse_model::{ElementBlock, JointView, StepView, Stress, Vec3};
 
 use crate::Model;
 use crate::nodes::{Storage, with_nodes};
@@ -56,14 +56,8 @@ impl StepView for View<'_> {
         let Some(&(block, place)) = model.place_of_element.get(element as usize) else {
             return Stress::default();
         };
-        let stresses = self.stresses[block as usize].get_or_init(|| {
-            let block = &model.blocks[block as usize];
-            let mut out = vec![Stress::default(); block.elements().len()];
-            with_nodes!(&model.nodes, arrays => {
-                block.add_stress(Storage::view(&arrays.displacement), &mut out);
-            });
-            out
-        });
+        let stresses = self.stresses[block as usize]
+            .get_or_init(|| model.stresses_of(model.blocks[block as usize].as_ref()));
         stresses[place as usize]
     }
     fn energies(&self) -> &[(&'static str, f64)] {
@@ -79,6 +73,14 @@ impl StepView for View<'_> {
 }
 
 impl Model {
+    /// The mean change of stress (Pa) of each element of a block.
+    pub(crate) fn stresses_of(&self, block: &dyn ElementBlock) -> Vec<Stress> {
+        let mut out = vec![Stress::default(); block.elements().len()];
+        with_nodes!(&self.nodes, arrays => {
+            block.add_stress(Storage::view(&arrays.displacement), &mut out);
+        });
+        out
+    }
     /// Velocities (m/s) of an engine node half a step before and after the present time, between
     /// kick and drift.
     pub(crate) fn velocities_around(&self, node: usize) -> (Vec3, Vec3) {

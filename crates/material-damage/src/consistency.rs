@@ -115,12 +115,7 @@ impl MohrCoulomb {
                 findings.push(Finding::TensileStrength { listed, in_force });
             }
         }
-        let in_force = self.uniaxial_compression();
-        if let Some(listed) = listed_compression
-            && (in_force - listed).abs() > NOTABLE * listed
-        {
-            findings.push(Finding::CompressiveStrength { listed, in_force });
-        }
+        findings.extend(of_compression(self, listed_compression));
         findings.extend(Finding::of_medium(&self.medium()));
         findings
     }
@@ -152,22 +147,28 @@ impl DruckerPrager {
     /// material is listed with (Pa), as far as they are.
     pub fn findings(&self, listed: [Option<f64>; 2]) -> Vec<Finding> {
         let mut findings = Vec::new();
-        let differs = |listed: f64, in_force: f64| (in_force - listed).abs() > NOTABLE * listed;
         let in_force = self.uniaxial_tension();
         if let Some(listed) = listed[0]
-            && differs(listed, in_force)
+            && differ(listed, in_force)
         {
             findings.push(Finding::TensileStrength { listed, in_force });
         }
-        let in_force = self.uniaxial_compression();
-        if let Some(listed) = listed[1]
-            && differs(listed, in_force)
-        {
-            findings.push(Finding::CompressiveStrength { listed, in_force });
-        }
+        findings.extend(of_compression(self, listed[1]));
         findings.extend(Finding::of_medium(&self.medium()));
         findings
     }
+}
+
+/// Whether a strength in force differs notably from the listed one (Pa).
+fn differ(listed: f64, in_force: f64) -> bool {
+    (in_force - listed).abs() > NOTABLE * listed
+}
+
+/// What a surface says to a listed compressive strength (Pa), if there is one.
+fn of_compression(surface: &impl YieldSurface, listed: Option<f64>) -> Option<Finding> {
+    let in_force = surface.uniaxial_compression();
+    let listed = listed.filter(|&listed| differ(listed, in_force))?;
+    Some(Finding::CompressiveStrength { listed, in_force })
 }
 
 impl Finding {

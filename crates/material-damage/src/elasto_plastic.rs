@@ -1,8 +1,7 @@
 //! The elastic, perfectly plastic law of a yield surface.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Strain, Stress,
-    array, each,
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Stress, array, each,
 };
 
 use crate::energy::{self, Step};
@@ -91,7 +90,7 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
         let old = input.history;
         let first = input.strain.0[0];
-        let elastic = Strain(array(|i| input.strain.0[i] - old[i]));
+        let elastic = energy::difference(&input.strain.0, old);
         let lambda = first.constant(self.lambda);
         let change = Stress::elastic(lambda, first.constant(self.shear), &elastic);
         let trial = input.initial + change;

@@ -2,10 +2,10 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Strain, Stress, array, each,
+    ParameterError, Stress, array, each,
 };
 
-use crate::energy::of_flow_and_damage;
+use crate::energy::{difference, of_flow_and_damage};
 use crate::plastic_damage::{
     COMPRESSION, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE,
     share_of_tension, weaken,
@@ -414,7 +414,7 @@ impl ConstitutiveLaw for LeeFenves {
         let first = input.strain.0[0];
         let number = |value: f64| first.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
-        let elastic = Strain(array(|i| input.strain.0[i] - old[i]));
+        let elastic = difference(&input.strain.0, old);
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let stress = input.initial + change;
         new_history.copy_from_slice(old);

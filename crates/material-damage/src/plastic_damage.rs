@@ -2,10 +2,10 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Strain, Stress, array, each,
+    ParameterError, Stress, array, each,
 };
 
-use crate::energy::of_flow_and_damage;
+use crate::energy::{difference, of_flow_and_damage};
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::softening::DamageCurve;
 use crate::surface::{Flow, YieldSurface};
@@ -241,7 +241,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         let first = input.strain.0[0];
         let number = |value: f64| first.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
-        let elastic = Strain(array(|i| input.strain.0[i] - old[i]));
+        let elastic = difference(&input.strain.0, old);
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let trial = input.initial + change;
         new_history.copy_from_slice(old);

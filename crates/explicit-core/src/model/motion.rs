@@ -8,7 +8,7 @@ use powerhouse_model::{
 
 use super::Model;
 use crate::EngineError;
-use crate::nodes::{Storage, with_nodes};
+use crate::nodes::with_nodes;
 
 impl Model {
     /// Displacement (m) of a mesh node.
@@ -155,10 +155,7 @@ impl Model {
     pub fn stress_changes(&self) -> Vec<Stress> {
         let mut all = vec![Stress::default(); self.mesh.element_count()];
         for block in &self.blocks {
-            let mut own = vec![Stress::default(); block.elements().len()];
-            with_nodes!(&self.nodes, arrays => {
-                block.add_stress(Storage::view(&arrays.displacement), &mut own);
-            });
+            let own = self.stresses_of(block.as_ref());
             for (&element, stress) in block.elements().iter().zip(own) {
                 if let Some(place) = all.get_mut(element as usize) {
                     *place = stress;

@@ -4,7 +4,8 @@ use powerhouse_model::Vec3;
 use rayon::prelude::*;
 
 use super::StaticError;
-use super::system::{System, dot, norm};
+use super::system::System;
+use crate::spectrum::{dot, norm};
 
 /// Products after which the solver gives up, times the cube root of the unknowns.
 const PATIENCE: f64 = 60.0;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use powerhouse_model::Vec3;
 
-use super::system::dot;
+use crate::spectrum::{dot, norm};
 
 /// Anderson mixing of corrections.
 ///
@@ -41,7 +41,7 @@ impl Mixing {
 
     /// Moves a point on by its correction.
     pub(super) fn advance(&mut self, u: &mut [Vec3], correction: Vec<Vec3>) {
-        let size = dot(&correction, &correction).sqrt();
+        let size = norm(&correction);
         if size > WORSE * self.size {
             self.differences.clear();
             self.last = None;
@@ -76,7 +76,7 @@ impl Mixing {
         }
         let column = |i: usize| &self.differences[i].1;
         let scales: Vec<f64> = (0..count)
-            .map(|i| dot(column(i), column(i)).sqrt())
+            .map(|i| norm(column(i)))
             .map(|size| if size > 0.0 { 1.0 / size } else { 0.0 })
             .collect();
         let normal = DMatrix::from_fn(count, count, |i, j| {

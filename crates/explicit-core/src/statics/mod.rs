@@ -15,6 +15,8 @@ use crate::Model;
 use mixing::Mixing;
 use system::System;
 
+use crate::spectrum::norm;
+
 /// How far a static solution goes.
 ///
 /// ```
@@ -147,7 +149,7 @@ impl Model {
         let first = system.residual(&target, &u);
         let driven = system.prescribed_change(&u);
         let mut report = StaticReport {
-            load: system::norm(&target).max(system::norm(&first)),
+            load: norm(&target).max(norm(&first)),
             ..StaticReport::default()
         };
         let moves = driven.iter().any(|(_, change)| *change != Vec3::zeros());
@@ -183,13 +185,15 @@ impl Model {
                     system.commit();
                     done = next;
                 }
-                Err(stuck) if 0.5 * (next - done) < options.least_increment => {
-                    system.forces(&u)?;
+                Err(StaticError::NotConverged { .. })
+                    if 0.5 * (next - done) >= options.least_increment =>
+                {
+                    share = 0.5 * (next - done);
+                }
+                Err(stuck) => {
                     system.finish(&u);
                     return Err(stuck);
                 }
-                Err(StaticError::NotConverged { .. }) => share = 0.5 * (next - done),
-                Err(other) => return Err(other),
             }
         }
         system.finish(&u);
@@ -216,17 +220,17 @@ impl Balance<'_> {
     ) -> Result<Vec<Vec3>, StaticError> {
         let mut load = self.load;
         let mut mixing = Mixing::new(REMEMBERED);
-        let mut relative = f64::INFINITY;
-        for correction in 0..=self.options.corrections {
+        let mut correction = 0;
+        loop {
             system.forces(&u)?;
             let residual = system.residual(applied, &u);
-            let size = system::norm(&residual);
+            let size = norm(&residual);
             if load == 0.0 {
                 // Prescribed motions alone: what they let go at first.
                 load = size;
                 report.load = size;
             }
-            relative = if size == 0.0 { 0.0 } else { size / load };
+            let relative = if size == 0.0 { 0.0 } else { size / load };
             progress(StaticProgress {
                 share: self.share,
                 correction,
@@ -237,8 +241,9 @@ impl Balance<'_> {
                 return Ok(u);
             }
             if !relative.is_finite() || correction == self.options.corrections {
-                break;
+                return Err(system.not_converged(&residual, relative, self.share));
             }
+            correction += 1;
             report.corrections += 1;
             let gate = MARGIN * self.options.tolerance * load / size;
             let left = if system.is_linear() {
@@ -251,8 +256,5 @@ impl Balance<'_> {
             report.products += products;
             mixing.advance(&mut u, step);
         }
-        system.forces(&u)?;
-        let residual = system.residual(applied, &u);
-        Err(system.not_converged(&residual, relative, self.share))
     }
 }

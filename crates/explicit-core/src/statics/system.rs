@@ -226,13 +226,3 @@ impl<'a> System<'a> {
 fn put<S: Storage>(to: &mut [Quad<S>], from: &[Vec3]) {
     (to.par_iter_mut().zip(from)).for_each(|(to, from)| *to = Quad::from_vector(from));
 }
-
-/// The inner product, summed in a fixed order.
-pub(super) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
-    crate::spectrum::dot(a, b)
-}
-
-/// The Euclidean norm.
-pub(super) fn norm(a: &[Vec3]) -> f64 {
-    dot(a, a).sqrt()
-}
