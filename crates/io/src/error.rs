@@ -28,6 +28,18 @@ pub enum IoError {
         /// The value.
         value: f64,
     },
+    /// A number that should be a whole one of 32 bits.
+    #[error("{}: '{what}' has the value {value} at place {place}, which is not a whole number of 32 bits", file.display())]
+    NotWhole {
+        /// The file.
+        file: PathBuf,
+        /// The field.
+        what: String,
+        /// Its place, from 0.
+        place: usize,
+        /// The value.
+        value: f64,
+    },
     /// A field or column whose length does not fit.
     #[error("{}: '{what}' has {found} values instead of {expected}", file.display())]
     Length {

@@ -65,4 +65,4 @@ pub use records::{
 };
 pub use summary::write_summary;
 pub use table::{TableColumn, read_table, write_table};
-pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuWriter};
+pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuNumbers, VtuWriter};

@@ -4,7 +4,7 @@ use std::io::Read as _;
 use std::path::PathBuf;
 
 use flate2::read::ZlibDecoder;
-use powerhouse_io::{FieldPrecision, IoError, PvdCollection, VtuField, VtuWriter};
+use powerhouse_io::{FieldPrecision, IoError, PvdCollection, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{Mesh, Vec3};
 
 fn folder(name: &str) -> PathBuf {
@@ -83,11 +83,13 @@ fn what_is_written_is_read_back() {
     let at_nodes = [VtuField {
         name: "displacement",
         components: 3,
+        numbers: VtuNumbers::Real,
         values: &values,
     }];
     let in_elements = [VtuField {
         name: "stress",
         components: 6,
+        numbers: VtuNumbers::Real,
         values: &stress,
     }];
     for precision in [FieldPrecision::Single, FieldPrecision::Double] {
@@ -150,6 +152,46 @@ fn a_collection_is_complete_after_every_instant() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+/// Whole numbers come back as integers, whatever the precision of the file; what is not one is refused
+/// by name.
+#[test]
+fn whole_numbers_are_integers() {
+    let mesh = small_box();
+    let folder = folder("whole");
+    let file = folder.join("one.vtu");
+    let flags: Vec<f64> = (0..mesh.element_count()).map(|i| (i % 4) as f64).collect();
+    fn field(values: &[f64]) -> [VtuField<'_>; 1] {
+        [VtuField {
+            name: "yield_state",
+            components: 1,
+            numbers: VtuNumbers::Whole,
+            values,
+        }]
+    }
+    for precision in [FieldPrecision::Single, FieldPrecision::Double] {
+        let writer = VtuWriter::new(&mesh, precision).unwrap();
+        writer.write(&file, 0.0, &[], &field(&flags)).unwrap();
+        let content = std::fs::read(&file).unwrap();
+        let head = String::from_utf8_lossy(&content);
+        assert!(head.contains("type=\"Int32\" Name=\"yield_state\""));
+        let found: Vec<f64> = array(&content, "yield_state")
+            .chunks(4)
+            .map(|b| f64::from(i32::from_le_bytes(b.try_into().unwrap())))
+            .collect();
+        assert_eq!(found, flags);
+    }
+    let writer = VtuWriter::new(&mesh, FieldPrecision::Single).unwrap();
+    for value in [0.5, 3e9] {
+        let mut faulty = flags.clone();
+        faulty[7] = value;
+        assert!(matches!(
+            writer.write(&file, 0.0, &[], &field(&faulty)),
+            Err(IoError::NotWhole { what, place: 7, .. }) if what == "yield_state"
+        ));
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
 /// A field that does not fit the mesh, or that holds a number which is not finite, is refused by
 /// name before anything is written.
 #[test]
@@ -160,6 +202,7 @@ fn faulty_fields_are_refused() {
     let short = [VtuField {
         name: "velocity",
         components: 3,
+        numbers: VtuNumbers::Real,
         values: &[0.0; 3],
     }];
     assert!(matches!(
@@ -171,6 +214,7 @@ fn faulty_fields_are_refused() {
     let infinite = [VtuField {
         name: "speed",
         components: 1,
+        numbers: VtuNumbers::Real,
         values: &values,
     }];
     assert!(matches!(

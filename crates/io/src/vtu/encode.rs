@@ -41,3 +41,16 @@ pub(super) fn float_bytes(values: impl Iterator<Item = f64>, double: bool) -> Ve
             .collect()
     }
 }
+
+/// Whole numbers as little-endian bytes of 32-bit integers; the place of the first that is none.
+pub(super) fn whole_bytes(values: &[f64]) -> Result<Vec<u8>, usize> {
+    let mut bytes = Vec::with_capacity(4 * values.len());
+    for (place, &value) in values.iter().enumerate() {
+        let whole = value as i32;
+        if f64::from(whole) != value {
+            return Err(place);
+        }
+        bytes.extend_from_slice(&whole.to_le_bytes());
+    }
+    Ok(bytes)
+}

@@ -8,4 +8,4 @@ mod encode;
 mod writer;
 
 pub use collection::PvdCollection;
-pub use writer::{FieldPrecision, VtuField, VtuWriter};
+pub use writer::{FieldPrecision, VtuField, VtuNumbers, VtuWriter};

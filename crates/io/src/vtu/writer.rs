@@ -5,7 +5,7 @@ use std::path::Path;
 
 use powerhouse_model::{ElementKind, Mesh, Vec3};
 
-use super::encode::{compressed, float_bytes};
+use super::encode::{compressed, float_bytes, whole_bytes};
 use crate::xml::escaped;
 use crate::{IoError, write_whole};
 
@@ -19,6 +19,17 @@ pub enum FieldPrecision {
     Double,
 }
 
+/// What the numbers of a field are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VtuNumbers {
+    /// Reals, in the precision of the file.
+    #[default]
+    Real,
+    /// Whole numbers, such as flags: written as 32-bit integers, so that filters can select them
+    /// exactly.
+    Whole,
+}
+
 /// A named field: one group of `components` numbers per node or per element, in the mesh's order.
 #[derive(Clone, Copy, Debug)]
 pub struct VtuField<'a> {
@@ -26,6 +37,8 @@ pub struct VtuField<'a> {
     pub name: &'a str,
     /// 1 for a scalar, 3 for a vector, 6 for a symmetric tensor (xx yy zz xy yz zx).
     pub components: usize,
+    /// What they are.
+    pub numbers: VtuNumbers,
     /// The numbers, group after group.
     pub values: &'a [f64],
 }
@@ -156,8 +169,8 @@ impl VtuWriter {
     /// Writes one instant: fields at nodes and in elements.
     ///
     /// # Errors
-    /// A field of the wrong length, a number that is not finite, or the operating system's error,
-    /// each with the file's path.
+    /// A field of the wrong length, a number that is not finite or, where it should be, not whole, or
+    /// the operating system's error, each with the file's path.
     pub fn write(
         &self,
         file: &Path,
@@ -192,14 +205,28 @@ impl VtuWriter {
                     value: field.values[place],
                 });
             }
-            let kind = if double { "Float64" } else { "Float32" };
+            let values = field.values;
+            let (kind, bytes) = match field.numbers {
+                VtuNumbers::Real if double => {
+                    ("Float64", float_bytes(values.iter().copied(), true))
+                }
+                VtuNumbers::Real => ("Float32", float_bytes(values.iter().copied(), false)),
+                VtuNumbers::Whole => {
+                    let bytes = whole_bytes(values).map_err(|place| IoError::NotWhole {
+                        file: file.into(),
+                        what: field.name.into(),
+                        place,
+                        value: values[place],
+                    })?;
+                    ("Int32", bytes)
+                }
+            };
             let components = component_names(field.components);
             let attributes = format!(
                 r#"type="{kind}" Name="{}" NumberOfComponents="{}"{components}"#,
                 escaped(field.name),
                 field.components
             );
-            let bytes = float_bytes(field.values.iter().copied(), double);
             encoded.push((attributes, compressed(&bytes).map_err(IoError::file(file))?));
         }
         Ok(encoded)

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{JointTable, PeakField};
-use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuWriter};
+use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{Bond, ContactState, JointPair, JointRecord, Mesh, Vec3};
 
 /// The files of a joint's facets.
@@ -97,6 +97,7 @@ pub(super) fn scalars(fields: &JointFields) -> Vec<VtuField<'_>> {
     let scalars = fields.map(|(name, values)| VtuField {
         name,
         components: 1,
+        numbers: VtuNumbers::Real,
         values,
     });
     scalars.collect()

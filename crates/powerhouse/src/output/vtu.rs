@@ -6,8 +6,10 @@ use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{
     EnvelopeTable, PeakField, Snapshot, SnapshotSink, StateTable,
 };
-use powerhouse_io::{FieldPrecision, IoError, PictureField, PvdCollection, VtuField, VtuWriter};
-use powerhouse_model::{HistoryVariable, Mesh, Stress, Vec3};
+use powerhouse_io::{
+    FieldPrecision, IoError, PictureField, PvdCollection, VtuField, VtuNumbers, VtuWriter,
+};
+use powerhouse_model::{HistoryKind, HistoryVariable, Mesh, Stress, Vec3};
 
 use super::drawing::file_name;
 use super::joints::{JointFacets, JointFields, scalars as scalars_of_joint};
@@ -17,6 +19,14 @@ fn writer(file: &Path, mesh: &Mesh) -> Result<VtuWriter, IoError> {
         file: file.into(),
         source,
     })
+}
+
+/// Flags are whole numbers, amounts and components are not.
+fn numbers(variable: &HistoryVariable) -> VtuNumbers {
+    match variable.kind {
+        HistoryKind::Flags => VtuNumbers::Whole,
+        HistoryKind::Amount | HistoryKind::Component => VtuNumbers::Real,
+    }
 }
 
 /// A sink that writes each snapshot as a VTU file, joints as files beside it, and all of them as a
@@ -59,6 +69,7 @@ impl SnapshotSink for SnapshotFiles {
             .map(|(name, values)| VtuField {
                 name,
                 components: 3,
+                numbers: VtuNumbers::Real,
                 values,
             })
             .collect();
@@ -66,11 +77,13 @@ impl SnapshotSink for SnapshotFiles {
         let stress = (!stress.is_empty()).then_some(VtuField {
             name: "stress",
             components: 6,
+            numbers: VtuNumbers::Real,
             values: &stress,
         });
         let state = shot.state.iter().map(|(variable, values)| VtuField {
             name: variable.name,
             components: 1,
+            numbers: numbers(variable),
             values,
         });
         let in_elements: Vec<VtuField> = stress.into_iter().chain(state).collect();
@@ -189,6 +202,7 @@ impl EnvelopeFields {
         elemental.extend(self.flags.iter().map(|(name, values)| VtuField {
             name,
             components: 1,
+            numbers: VtuNumbers::Whole,
             values,
         }));
         writer(file, mesh)?.write(file, time, &nodal, &elemental)
@@ -199,6 +213,7 @@ fn scalars(peaks: &[PeakOverMesh]) -> Vec<VtuField<'_>> {
     let field = |name, values| VtuField {
         name,
         components: 1,
+        numbers: VtuNumbers::Real,
         values,
     };
     peaks
