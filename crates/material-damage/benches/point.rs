@@ -6,7 +6,8 @@
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use powerhouse_material_damage::{
     ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown, HoekBrownParameters,
-    LeeFenves, LinearElastic, Mazars, MohrCoulomb, TwoSurface, media, presets,
+    LeeFenves, LinearElastic, Mazars, MohrCoulomb, SofteningPlasticity,
+    SofteningPlasticityParameters, StrengthFall, TwoSurface, media, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain};
 
@@ -21,6 +22,7 @@ fn strains(amplitude: f64) -> Vec<[f64; 6]> {
 
 fn measure<M: ConstitutiveLaw>(
     group: &mut BenchmarkGroup<'_, criterion::measurement::WallTime>,
+    name: &str,
     law: M,
     amplitude: f64,
 ) {
@@ -41,7 +43,7 @@ fn measure<M: ConstitutiveLaw>(
         };
         step(&old, &mut new, 1.0);
         old.copy_from_slice(&new);
-        group.bench_function(format!("{}/{state}", law.name()), |bench| {
+        group.bench_function(format!("{name}/{state}"), |bench| {
             bench.iter(|| step(&old, &mut new, 1.01));
         });
     }
@@ -51,9 +53,19 @@ fn points(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("point");
     group.throughput(Throughput::Elements(POINTS as u64));
     let sound = "the parameters of the benchmark are sound";
-    measure(&mut group, LinearElastic::new(media::ROCK), 1.0e-2);
+    measure(
+        &mut group,
+        "elastic",
+        LinearElastic::new(media::ROCK),
+        1.0e-2,
+    );
     let surface = MohrCoulomb::new(presets::PAPER_ROCK).expect(sound);
-    measure(&mut group, ElastoPlastic::new(surface), 1.0e-2);
+    measure(
+        &mut group,
+        "mohr-coulomb",
+        ElastoPlastic::new(surface),
+        1.0e-2,
+    );
     let surface = DruckerPrager::new(DruckerPragerParameters {
         medium: media::ROCK,
         friction: 42.0,
@@ -63,11 +75,17 @@ fn points(criterion: &mut Criterion) {
     });
     measure(
         &mut group,
+        "drucker-prager",
         ElastoPlastic::new(surface.expect(sound)),
         1.0e-2,
     );
     let surface = TwoSurface::new(presets::PAPER_ROCK_LISTED).expect(sound);
-    measure(&mut group, ElastoPlastic::new(surface), 1.0e-2);
+    measure(
+        &mut group,
+        "two-surface",
+        ElastoPlastic::new(surface),
+        1.0e-2,
+    );
     let surface = HoekBrown::new(HoekBrownParameters {
         medium: media::ROCK,
         intact_strength: 50.0e6,
@@ -78,14 +96,22 @@ fn points(criterion: &mut Criterion) {
     });
     measure(
         &mut group,
+        "hoek-brown",
         ElastoPlastic::new(surface.expect(sound)),
         1.0e-2,
     );
-    measure(&mut group, presets::paper_concrete().expect(sound), 1.0e-3);
+    let law = SofteningPlasticity::new(SofteningPlasticityParameters {
+        surface: MohrCoulomb::new(presets::PAPER_ROCK).expect(sound),
+        fall: StrengthFall::FractureEnergy { energy: 2.0e4 },
+        residual_strength: 0.2,
+    });
+    measure(&mut group, "softening", law.expect(sound), 1.0e-2);
+    let law = presets::paper_concrete().expect(sound);
+    measure(&mut group, "plastic-damage", law, 1.0e-3);
     let law = LeeFenves::new(presets::PAPER_CONCRETE_LEE_FENVES).expect(sound);
-    measure(&mut group, law, 1.0e-3);
+    measure(&mut group, "lee-fenves", law, 1.0e-3);
     let law = Mazars::new(presets::PAPER_CONCRETE_MAZARS).expect(sound);
-    measure(&mut group, law, 2.0e-4);
+    measure(&mut group, "mazars", law, 2.0e-4);
     group.finish();
 }
 

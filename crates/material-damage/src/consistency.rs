@@ -4,7 +4,7 @@ use core::fmt;
 
 use powerhouse_model::ElasticMedium;
 
-use crate::{DruckerPrager, MohrCoulomb, TwoSurface, YieldSurface};
+use crate::{DruckerPrager, HoekBrown, LeeFenves, MohrCoulomb, TwoSurface, YieldSurface};
 
 /// Strengths that differ by more than this share are told.
 const NOTABLE: f64 = 0.05;
@@ -31,7 +31,7 @@ pub enum Finding {
         /// The uniaxial tensile stress at which the surface yields (Pa).
         in_force: f64,
     },
-    /// Cohesion and friction imply another uniaxial compressive strength than the listed one.
+    /// The surface has another uniaxial compressive strength than the listed one.
     CompressiveStrength {
         /// The listed strength (Pa).
         listed: f64,
@@ -44,6 +44,14 @@ pub enum Finding {
         listed: f64,
         /// The cohesion in force under confinement (Pa).
         in_force: f64,
+    },
+    /// Crushing hardens before its peak: flow that spreads over a wide body before it localises takes
+    /// energy that depends on the mesh.
+    Hardening {
+        /// The uniaxial compressive stress at first flow (Pa).
+        limit: f64,
+        /// The uniaxial compressive strength (Pa).
+        strength: f64,
     },
     /// Poisson's ratio is so near 0.5 that elements lock and the stable step falls.
     NearlyIncompressible {
@@ -70,13 +78,18 @@ impl fmt::Display for Finding {
             ),
             Self::CompressiveStrength { listed, in_force } => write!(
                 f,
-                "cohesion and friction give a uniaxial compressive strength of {in_force:.4e} Pa, \
-                 not the listed {listed:.4e} Pa"
+                "the surface has a uniaxial compressive strength of {in_force:.4e} Pa, not the listed \
+                 {listed:.4e} Pa"
             ),
             Self::Cohesion { listed, in_force } => write!(
                 f,
                 "the compressive strength demands a cohesion of {in_force:.4e} Pa under \
                  confinement, not the listed {listed:.4e} Pa"
+            ),
+            Self::Hardening { limit, strength } => write!(
+                f,
+                "crushing begins at {limit:.4e} Pa and hardens up to {strength:.4e} Pa: the energy \
+                 that it takes depends on the mesh"
             ),
             Self::NearlyIncompressible { poisson } => write!(
                 f,
@@ -146,17 +159,62 @@ impl DruckerPrager {
     /// What does not fit together, given the strengths in uniaxial tension and compression that the
     /// material is listed with (Pa), as far as they are.
     pub fn findings(&self, listed: [Option<f64>; 2]) -> Vec<Finding> {
-        let mut findings = Vec::new();
-        let in_force = self.uniaxial_tension();
-        if let Some(listed) = listed[0]
-            && differ(listed, in_force)
-        {
-            findings.push(Finding::TensileStrength { listed, in_force });
-        }
-        findings.extend(of_compression(self, listed[1]));
-        findings.extend(Finding::of_medium(&self.medium()));
-        findings
+        of_strengths(self, listed)
     }
+}
+
+impl HoekBrown {
+    /// What does not fit together, given the strengths in uniaxial tension and compression that the
+    /// rock mass is listed with (Pa), as far as they are.
+    ///
+    /// ```
+    /// use powerhouse_material_damage::{HoekBrown, HoekBrownParameters, media};
+    ///
+    /// let rock = HoekBrown::new(HoekBrownParameters {
+    ///     medium: media::ROCK,
+    ///     intact_strength: 60.0e6,
+    ///     intact_constant: 12.0,
+    ///     strength_index: 55.0,
+    ///     disturbance: 0.0,
+    ///     dilation_share: 0.0,
+    /// })?;
+    /// // The surface gives the rock mass 4.8 MPa, not what its pieces bear.
+    /// println!("{}", rock.findings([None, Some(60.0e6)])[0]);
+    /// # Ok::<(), powerhouse_material_damage::MaterialError>(())
+    /// ```
+    pub fn findings(&self, listed: [Option<f64>; 2]) -> Vec<Finding> {
+        of_strengths(self, listed)
+    }
+}
+
+impl LeeFenves {
+    /// What a user should know of the parameters.
+    pub fn findings(&self) -> Vec<Finding> {
+        let (limit, strength) = {
+            let p = self.parameters();
+            (p.compression_limit, p.compression_strength)
+        };
+        let hardens = differ(strength, limit);
+        let hardening = hardens.then_some(Finding::Hardening { limit, strength });
+        let all = hardening
+            .into_iter()
+            .chain(Finding::of_medium(&self.parameters().medium));
+        all.collect()
+    }
+}
+
+/// What a surface says to listed strengths in tension and compression (Pa), and of its medium.
+fn of_strengths(surface: &impl YieldSurface, listed: [Option<f64>; 2]) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let in_force = surface.uniaxial_tension();
+    if let Some(listed) = listed[0]
+        && differ(listed, in_force)
+    {
+        findings.push(Finding::TensileStrength { listed, in_force });
+    }
+    findings.extend(of_compression(surface, listed[1]));
+    findings.extend(Finding::of_medium(&surface.medium()));
+    findings
 }
 
 /// Whether a strength in force differs notably from the listed one (Pa).

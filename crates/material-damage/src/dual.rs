@@ -19,6 +19,14 @@ impl Dual {
         Self { value, slope }
     }
 
+    /// A number that does not change.
+    pub(crate) fn fixed(value: f64) -> Self {
+        Self {
+            value,
+            slope: [0.0; 3],
+        }
+    }
+
     /// `f` of this number, with the derivative `f'`.
     fn through(self, value: f64, derivative: f64) -> Self {
         Self {
@@ -74,10 +82,7 @@ impl Lane for Dual {
     const WIDTH: usize = 1;
 
     fn splat(_token: (), value: f64) -> Self {
-        Self {
-            value,
-            slope: [0.0; 3],
-        }
+        Self::fixed(value)
     }
     fn load(token: (), from: &[f64]) -> Self {
         Self::splat(token, from[0])

@@ -138,7 +138,7 @@ impl<S: YieldSurface> ElasticInSeries for ElastoPlastic<S> {
 /// `sqrt(2/3 e : e)` of principal strains, which may be so large or small that squares are not
 /// numbers.
 #[inline(always)]
-fn equivalent<L: Lane>(strains: &[L; 3]) -> L {
+pub(crate) fn equivalent<L: Lane>(strains: &[L; 3]) -> L {
     let [a, b, c] = each(strains, |e| e.abs());
     let largest = a.max(b).max(c);
     let zero = a.constant(0.0);

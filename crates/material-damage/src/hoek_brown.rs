@@ -4,7 +4,7 @@ use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
 
 use crate::MaterialError;
 use crate::exponential::power;
-use crate::root::{rounding, zero_between};
+use crate::root::{Function, rounding, zero_between};
 use crate::surface::{PrincipalReturn, YieldState, YieldSurface, mean_and_shear, pick, stiffened};
 
 /// What a [`HoekBrown`] surface is made of.
@@ -81,6 +81,50 @@ struct Branch<L> {
     missed: L,
 }
 
+/// Flow of two trial stresses, as [`HoekBrown::branch`] has it.
+struct Along<'a, L> {
+    surface: &'a HoekBrown,
+    upper: L,
+    apart: L,
+    weights: [f64; 2],
+}
+
+impl<L: Lane> Along<'_, L> {
+    /// The greatest stress (Pa), and the opening and the shear flow that lead to it.
+    #[inline(always)]
+    fn flows(&self, y: L) -> (L, L, L) {
+        let number = |value: f64| y.constant(value);
+        let surface = self.surface;
+        let (k, r) = (surface.dilation(), surface.volumetric);
+        let w1 = self.weights[0];
+        let width = power(y, (1.0 - surface.exponent) / surface.exponent);
+        let depth = width * y;
+        let per_depth = number(surface.parameters.intact_strength / surface.slope);
+        let greatest = number(surface.apex()) - per_depth * depth;
+        let fall = self.upper - greatest;
+        // Of the opening and of the shear flow, for a unit of fall.
+        let [opening, shear] = if k > 0.0 {
+            let opened = number(w1) * (width + number(k));
+            let whole = opened + number(r * k);
+            [(width + number(k)) / whole, width / whole]
+        } else {
+            [number(1.0 / w1); 2]
+        };
+        (greatest, fall * opening, fall * shear)
+    }
+}
+
+impl<L: Lane> Function<L> for Along<'_, L> {
+    #[inline(always)]
+    fn at(&self, y: L) -> L {
+        let number = |value: f64| y.constant(value);
+        let [w1, w3] = self.weights;
+        let (_, opening, shear) = self.flows(y);
+        let closed = number(w1) * opening + number(w3) * shear;
+        self.apart - closed - number(self.surface.parameters.intact_strength) * y
+    }
+}
+
 impl HoekBrown {
     /// The surface of the parameters.
     ///
@@ -118,7 +162,7 @@ impl HoekBrown {
         let apex = surface.apex();
         let tolerance = 4.0 * f64::EPSILON * apex;
         let at = |stress: f64| surface.excess(&[stress, 0.0, 0.0]);
-        surface.tension = zero_between([0.0, at(0.0)], [apex, at(apex)], tolerance, at);
+        surface.tension = zero_between([0.0, at(0.0)], [apex, at(apex)], tolerance, &at);
         Ok(surface)
     }
 
@@ -159,44 +203,27 @@ impl HoekBrown {
     fn branch<L: Lane>(&self, [upper, lower]: [L; 2], [w1, w3]: [f64; 2]) -> Branch<L> {
         let number = |value: f64| upper.constant(value);
         let zero = number(0.0);
-        let (k, r) = (self.dilation(), self.volumetric);
+        let r = self.volumetric;
         let intact = self.parameters.intact_strength;
-        let power_of_width = (1.0 - self.exponent) / self.exponent;
-        let per_depth = number(intact / self.slope);
-        let apart = upper - lower;
-        let flows = |y: L| {
-            let width = power(y, power_of_width);
-            let depth = width * y;
-            let greatest = number(self.apex()) - per_depth * depth;
-            let fall = upper - greatest;
-            // Of the opening and of the shear flow, for a unit of fall.
-            let [opening, shear] = if k > 0.0 {
-                let opened = number(w1) * (width + number(k));
-                let whole = opened + number(r * k);
-                [(width + number(k)) / whole, width / whole]
-            } else {
-                [number(1.0 / w1); 2]
-            };
-            (greatest, fall * opening, fall * shear)
-        };
-        let excess = |y: L| {
-            let (_, opening, shear) = flows(y);
-            let closed = number(w1) * opening + number(w3) * shear;
-            apart - closed - number(intact) * y
+        let along = Along {
+            surface: self,
+            upper,
+            apart: upper - lower,
+            weights: [w1, w3],
         };
         // No flow yet; and flow that brings the two together, whatever it opens.
         let depth = self.depth(upper);
         let first = power(depth.max(zero), self.exponent);
-        let most = apart * number(self.slope / intact * (1.0 + r / w1));
+        let most = along.apart * number(self.slope / intact * (1.0 + r / w1));
         let last = power((depth + most).max(zero), self.exponent).max(first);
-        let at_first = excess(first);
+        let at_first = along.at(first);
         let missed = (-at_first).max(zero);
         let at_first = at_first.max(zero);
-        let at_last = excess(last).min(zero);
+        let at_last = along.at(last).min(zero);
         let size = upper.abs() + lower.abs() + number(self.apex());
         let tolerance = size * number(rounding::<L>());
-        let y = zero_between([first, at_first], [last, at_last], tolerance, excess);
-        let (greatest, opening, flow) = flows(y);
+        let y = zero_between([first, at_first], [last, at_last], tolerance, &along);
+        let (greatest, opening, flow) = along.flows(y);
         Branch {
             greatest,
             least: greatest - number(intact) * y,

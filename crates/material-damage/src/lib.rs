@@ -4,24 +4,23 @@
 //! the socket [`ConstitutiveLaw`](powerhouse_model::ConstitutiveLaw): it runs without a mesh and
 //! for any lane.
 //!
-//! | law | parameters | history | limits |
-//! |---|---|---|---|
-//! | [`LinearElastic`] | elastic medium | none | no strength |
-//! | [`ElastoPlastic`] of [`MohrCoulomb`] | friction, dilation, cohesion, cut-off | 8: plastic strain, equivalent plastic strain, yield state | perfectly plastic |
-//! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only |
-//! | [`ElastoPlastic`] of [`TwoSurface`] | friction, dilation, cohesion, both uniaxial strengths | the same 8 | perfectly plastic; `f_c / f_t` above `N` |
-//! | [`ElastoPlastic`] of [`HoekBrown`] | strength and constant of intact rock, geological strength index, disturbance, share of dilation | the same 8 | perfectly plastic; isotropic rock mass |
-//! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions |
-//! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 13 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak |
-//! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) |
-//! | [`FlatDamping`] of any of them | [`RelaxationSpectrum`], [`ReferenceFrequency`] | 6 more per mechanism | damping within a band of frequencies; waves get dispersive, the stable step 10 % shorter at 5 % |
+//! | law | parameters | history | limits | ns |
+//! |---|---|---|---|---|
+//! | [`LinearElastic`] | elastic medium | none | no strength | 9 |
+//! | [`ElastoPlastic`] of [`MohrCoulomb`] | friction, dilation, cohesion, cut-off | 8: plastic strain, equivalent plastic strain, yield state | perfectly plastic | 48, 410 |
+//! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only | 38, 370 |
+//! | [`ElastoPlastic`] of [`TwoSurface`] | friction, dilation, cohesion, both uniaxial strengths | the same 8 | perfectly plastic; `f_c / f_t` above `N` | 52, 450 |
+//! | [`ElastoPlastic`] of [`HoekBrown`] | strength and constant of intact rock, geological strength index, disturbance, share of dilation | the same 8 | perfectly plastic; isotropic rock mass | 54, 5500 |
+//! | [`SofteningPlasticity`] of any surface | surface, [`StrengthFall`], residual share | 10: also plastic shortening, strength lost | elements up to [`largest_size`](SofteningPlasticity::largest_size); opening alone softens nothing | COST |
+//! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions | 46, 610 |
+//! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 13 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak | 54, 1400 |
+//! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) | 42, 670 |
+//! | [`FlatDamping`] of any of them | [`RelaxationSpectrum`], [`ReferenceFrequency`] | 6 more per mechanism | damping within a band of frequencies; waves get dispersive, the stable step 10 % shorter at 5 % | more by a few per mechanism |
 //!
-//! What a point costs in double precision, one after the other, in nanoseconds on one core of a
-//! loaded machine (`cargo bench -p powerhouse-material-damage`), elastic and while it flows:
-//! [`LinearElastic`] 9; [`MohrCoulomb`] 48, 410; [`DruckerPrager`] 38, 370; [`TwoSurface`] 52, 450;
-//! [`HoekBrown`] 54, 5500; [`PlasticDamage`] of Mohr-Coulomb 46, 610; [`LeeFenves`] 54, 1400;
-//! [`Mazars`] 42, 670. Packs of points share the cost, except that one flowing point makes its pack
-//! flow.
+//! The last column is what a point costs in double precision, one after the other, in nanoseconds on
+//! one core of a loaded machine (`cargo bench -p powerhouse-material-damage`), elastic and while it
+//! flows ([`SofteningPlasticity`] and [`PlasticDamage`] on [`MohrCoulomb`]). Packs of points share the cost, except that one
+//! flowing point makes its pack flow. All laws have consistent tangents for statics.
 //!
 //! [`presets`] hold published materials, [`MohrCoulomb::findings`] tells what does not fit together
 //! in them, [`PointDriver`] leads one point along paths of strain and stress.
@@ -48,8 +47,8 @@
 //! difference of large stresses it would be rounded at every step, and single precision would
 //! wander by hundreds of pascals in a long run.
 //! *What no closed form solves is solved for one unknown within a bracket* ([`LeeFenves`],
-//! [`HoekBrown`]): the deviator, or the flow on a face, keeps its direction, so all else is a
-//! function of the amount of flow. There is no starting point from which it diverges.
+//! [`HoekBrown`], [`SofteningPlasticity`]): the deviator, or the flow on a face, keeps its direction, so
+//! all else is a function of the amount of flow. There is no starting point from which it diverges.
 //! *One rule picks among faces, edges and corners*: all candidates are computed, the one that
 //! violates the conditions least is taken. There is no order of cases to get wrong, and packs of
 //! points need no branches.
@@ -76,6 +75,7 @@ pub mod presets;
 mod principal;
 mod root;
 mod softening;
+mod softening_plasticity;
 mod surface;
 mod tangent;
 mod two_surface;
@@ -98,5 +98,6 @@ pub use mohr_coulomb::{MohrCoulomb, MohrCoulombParameters};
 pub use plastic_damage::{PlasticDamage, PlasticDamageParameters};
 pub use principal::PrincipalAxes;
 pub use softening::Softening;
+pub use softening_plasticity::{SofteningPlasticity, SofteningPlasticityParameters, StrengthFall};
 pub use surface::{PrincipalReturn, YieldState, YieldSurface};
 pub use two_surface::{TwoSurface, TwoSurfaceParameters};

@@ -5,13 +5,14 @@ use powerhouse_model::{
     ParameterError, Stress, array, each,
 };
 
+use crate::dual::Dual;
 use crate::energy::Step;
 use crate::history::number;
 use crate::softening::{
     STEEPEST, damage_of, damage_of_falling_stress, inverse_rate_in_total_strain,
 };
 use crate::surface::{mean_and_shear, stiffened};
-use crate::{ElasticInSeries, MaterialError, PrincipalAxes};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
 
 /// Softening in tension of a [`Mazars`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -187,6 +188,59 @@ impl Mazars {
             MazarsTension::Rates { rate, .. } => size.constant(1.0 / rate),
         }
     }
+    /// What principal stresses (Pa) make of the largest equivalent strain before, in an element of a
+    /// width (m).
+    #[inline(always)]
+    fn grown<L: Lane>(&self, values: &[L; 3], before: L, size: L) -> Grown<L> {
+        let p = &self.parameters;
+        let number = |value: f64| before.constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        // Principal strains times E, of all principal stresses and of the tensile ones.
+        let poisson = p.medium.poisson;
+        let stretches = each(&strains_times_young(values, poisson), |e| e.max(zero));
+        let pulled = strains_times_young(&each(values, |s| s.max(zero)), poisson);
+        // Divided by the largest, so that squares are numbers.
+        let largest = stretches[0].max(stretches[1]).max(stretches[2]);
+        let some = zero.less(largest);
+        let divisor = largest.select(some, one);
+        let shares = each(&stretches, |e| e / divisor);
+        let [a, b, c] = shares;
+        let square = a.mul_add(a, b.mul_add(b, c * c));
+        let [x, y, z] = each(&pulled, |e| e / divisor);
+        let tensile = x.mul_add(a, y.mul_add(b, z * c));
+        let weight = (tensile / square.select(some, one)).min(one).max(zero);
+        let weight = weight.select(some, one);
+        let equivalent = largest * square.sqrt() * number(1.0 / p.medium.young);
+
+        let reached = before.max(equivalent);
+        let threshold = p.threshold;
+        let most = 1.0 - p.residual_stiffness;
+        let rate = one / self.inverse_rate(size);
+        let torn = match p.tension {
+            MazarsTension::FractureEnergy { .. } => damage_of(reached, threshold, 1.0, rate, most),
+            MazarsTension::FallingStress { .. } => {
+                damage_of_falling_stress(reached, threshold, rate, most)
+            }
+            MazarsTension::Rates { share, .. } => damage_of(reached, threshold, share, rate, most),
+        };
+        let rate = number(p.compression_rate);
+        let broken = damage_of(reached, threshold, p.compression_share, rate, most);
+        let damage = weight * torn + (one - weight) * broken;
+        Grown {
+            equivalent: reached,
+            torn,
+            broken,
+            damage,
+        }
+    }
+}
+
+/// The largest equivalent strain, and the damage that belongs to it.
+struct Grown<L> {
+    equivalent: L,
+    torn: L,
+    broken: L,
+    damage: L,
 }
 
 /// Principal strains times Young's modulus, of principal stresses (Pa).
@@ -231,7 +285,7 @@ impl ConstitutiveLaw for Mazars {
         let old = input.history;
         let first = input.strain.0[0];
         let number = |value: f64| first.constant(value);
-        let (zero, one) = (number(0.0), number(1.0));
+        let one = number(1.0);
         let change = Stress::elastic(number(self.lambda), number(self.shear), &input.strain);
         let total = input.initial + change;
         new_history.copy_from_slice(old);
@@ -242,41 +296,12 @@ impl ConstitutiveLaw for Mazars {
         }
         let values = PrincipalAxes::of(&total).values;
 
-        // Principal strains times E, of all principal stresses and of the tensile ones.
-        let poisson = p.medium.poisson;
-        let stretches = each(&strains_times_young(&values, poisson), |e| e.max(zero));
-        let pulled = strains_times_young(&each(&values, |s| s.max(zero)), poisson);
-        // Divided by the largest, so that squares are numbers.
-        let largest = stretches[0].max(stretches[1]).max(stretches[2]);
-        let some = zero.less(largest);
-        let divisor = largest.select(some, one);
-        let shares = each(&stretches, |e| e / divisor);
-        let [a, b, c] = shares;
-        let square = a.mul_add(a, b.mul_add(b, c * c));
-        let [x, y, z] = each(&pulled, |e| e / divisor);
-        let tensile = x.mul_add(a, y.mul_add(b, z * c));
-        let weight = (tensile / square.select(some, one)).min(one).max(zero);
-        let weight = weight.select(some, one);
-        let equivalent = largest * square.sqrt() * number(1.0 / p.medium.young);
-
-        let reached = old[EQUIVALENT].max(equivalent);
-        let threshold = p.threshold;
-        let most = 1.0 - p.residual_stiffness;
-        let rate = one / self.inverse_rate(input.size);
-        let torn = match p.tension {
-            MazarsTension::FractureEnergy { .. } => damage_of(reached, threshold, 1.0, rate, most),
-            MazarsTension::FallingStress { .. } => {
-                damage_of_falling_stress(reached, threshold, rate, most)
-            }
-            MazarsTension::Rates { share, .. } => damage_of(reached, threshold, share, rate, most),
-        };
-        let rate = number(p.compression_rate);
-        let broken = damage_of(reached, threshold, p.compression_share, rate, most);
-        let damage = weight * torn + (one - weight) * broken;
+        let grown = self.grown(&values, old[EQUIVALENT], input.size);
+        let damage = grown.damage;
         for (variable, value) in [
-            (EQUIVALENT, reached),
-            (DAMAGE_TENSION, torn),
-            (DAMAGE_COMPRESSION, broken),
+            (EQUIVALENT, grown.equivalent),
+            (DAMAGE_TENSION, grown.torn),
+            (DAMAGE_COMPRESSION, grown.broken),
             (DAMAGE, damage),
         ] {
             new_history[variable] = value.select(damaged, old[variable]);
@@ -297,6 +322,28 @@ impl ConstitutiveLaw for Mazars {
             damage: [input.history[DAMAGE], new_history[DAMAGE]],
         };
         Some(step.energy())
+    }
+    /// The consistent one; at a kink that of one side.
+    fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
+        let medium = &self.parameters.medium;
+        let before = input.history[EQUIVALENT];
+        let respond = |trial: &[Dual; 3]| {
+            let stress = Stress([
+                trial[0].value,
+                trial[1].value,
+                trial[2].value,
+                0.0,
+                0.0,
+                0.0,
+            ]);
+            if self.bound(&stress).max(before) <= self.parameters.threshold {
+                return *trial;
+            }
+            let size = Dual::fixed(input.size);
+            let grown = self.grown(trial, Dual::fixed(before), size);
+            trial.map(|s| (Dual::fixed(1.0) - grown.damage) * s)
+        };
+        Some(tangent::of_isotropic(medium, input, &input.strain, respond))
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         Ok(self.check_size(size)?)

@@ -5,11 +5,12 @@ use powerhouse_model::{
     ParameterError, Stress, array, each,
 };
 
+use crate::dual::Dual;
 use crate::energy::{difference, of_flow_and_damage};
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::softening::DamageCurve;
-use crate::surface::{Flow, YieldSurface};
-use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening};
+use crate::surface::{Flow, YieldSurface, strains_of_loss};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, tangent};
 
 /// What a [`PlasticDamage`] law is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,6 +143,16 @@ impl<S: YieldSurface> PlasticDamage<S> {
         &self.parameters
     }
 
+    /// `d_t` and `d_c` of equivalent plastic strains in an element of a width (m).
+    #[inline(always)]
+    fn damage<L: Lane>(&self, [opened, crushed]: [L; 2], size: L) -> [L; 2] {
+        let most = 1.0 - self.parameters.residual_stiffness;
+        [
+            self.tension.damage(opened, size, most),
+            self.compression.damage(crushed, size, most),
+        ]
+    }
+
     /// The largest width of an element that dissipates its fracture energy without snapping back
     /// (m); none if no softening is by energy.
     pub fn largest_size(&self) -> Option<f64> {
@@ -198,6 +209,21 @@ fn positive<L: Lane>(numbers: [L; 3]) -> L {
     a + b + c
 }
 
+/// `1 - D` of the damage in tension and compression, by the share of tension in the stress, and the
+/// shares of stiffness that recovers and that stays.
+#[inline(always)]
+pub(crate) fn stiffness_left<L: Lane>(
+    [torn, broken]: [L; 2],
+    tension: L,
+    [recovery, residual]: [f64; 2],
+) -> L {
+    let number = |value: f64| tension.constant(value);
+    let one = number(1.0);
+    let closed = number(recovery) * (one - tension);
+    let left = (one - broken) * (one - (one - closed) * torn);
+    left.max(number(residual))
+}
+
 /// The nominal change of stress of an effective one (Pa), by the damage in tension and compression
 /// of the history, the share of tension in the stress, and the shares of stiffness that recovers
 /// and that stays; writes `D` and its type.
@@ -212,9 +238,7 @@ pub(crate) fn weaken<L: Lane>(
     let number = |value: f64| tension.constant(value);
     let (zero, one) = (number(0.0), number(1.0));
     let (torn, broken) = (history[DAMAGE_TENSION], history[DAMAGE_COMPRESSION]);
-    let closed = number(recovery) * (one - tension);
-    let left = (one - broken) * (one - (one - closed) * torn);
-    let left = left.max(number(residual));
+    let left = stiffness_left([torn, broken], tension, [recovery, residual]);
     let damage = one - left;
     history[DAMAGE] = damage;
     let counts = number(COUNTS);
@@ -257,9 +281,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             let opened = old[TENSION] + positive(flow.plastic);
             let crushed = (one - tension) * positive(each(&flow.plastic, |e| -e));
             let crushed = old[COMPRESSION] + crushed;
-            let most = 1.0 - self.parameters.residual_stiffness;
-            let torn = self.tension.damage(opened, input.size, most);
-            let broken = self.compression.damage(crushed, input.size, most);
+            let [torn, broken] = self.damage([opened, crushed], input.size);
             for (variable, value) in [
                 (TENSION, opened),
                 (COMPRESSION, crushed),
@@ -291,6 +313,37 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let medium = self.medium();
         Some(of_flow_and_damage(&medium, input, new_history, DAMAGE))
+    }
+    /// The consistent one; at a kink that of one side.
+    fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
+        let p = &self.parameters;
+        let old = input.history;
+        let medium = self.medium();
+        let elastic = difference(&input.strain.0, old);
+        let fixed = |variable: usize| Dual::fixed(old[variable]);
+        let respond = |trial: &[Dual; 3]| {
+            let (mut torn, mut broken) = (fixed(DAMAGE_TENSION), fixed(DAMAGE_COMPRESSION));
+            let mut stress = *trial;
+            let yields = p.surface.excess(&trial.map(|s| s.value)) > 0.0;
+            if yields {
+                let returned = p.surface.return_principal(trial);
+                stress = returned.stress;
+                let plastic = strains_of_loss(&medium, &returned.loss);
+                let crushed = Dual::fixed(1.0) - share_of_tension(&stress);
+                let crushed = crushed * positive(each(&plastic, |e| -e));
+                let strains = [
+                    fixed(TENSION) + positive(plastic),
+                    fixed(COMPRESSION) + crushed,
+                ];
+                let [grown, ground] = self.damage(strains, Dual::fixed(input.size));
+                (torn, broken) = (grown.max(torn), ground.max(broken));
+            }
+            let tension = share_of_tension(&stress);
+            let shares = [p.stiffness_recovery, p.residual_stiffness];
+            let left = stiffness_left([torn, broken], tension, shares);
+            stress.map(|s| left * s)
+        };
+        Some(tangent::of_isotropic(&medium, input, &elastic, respond))
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         Ok(self.check_size(size)?)

@@ -128,18 +128,62 @@ pub const PAPER_CONCRETE_LEE_FENVES: LeeFenvesParameters = LeeFenvesParameters {
 /// # Errors
 /// A strength outside the range of the table.
 pub fn eurocode_concrete(strength: f64) -> Result<PlasticDamage<MohrCoulomb>, MaterialError> {
-    ParameterError::check("strength", strength, 12.0, 50.0)?;
-    let compressive = strength + 8.0;
-    let tensile = 0.3 * strength.powf(2.0 / 3.0);
-    let young = 22.0e9 * (compressive / 10.0).powf(0.3);
-    let medium = ElasticMedium::new(young, 0.2, 2500.0)?;
-    let parameters =
-        MohrCoulombParameters::through_strengths(medium, 1.0e6 * compressive, 1.0e6 * tensile)?;
+    let concrete = Eurocode::new(strength)?;
+    let parameters = MohrCoulombParameters::through_strengths(
+        concrete.medium,
+        concrete.compression_strength,
+        concrete.tension_strength,
+    )?;
     cracking(
         parameters,
-        73.0 * compressive.powf(0.18),
-        8.8e3 * compressive.sqrt(),
+        concrete.cracking_energy,
+        concrete.crushing_energy,
     )
+}
+
+/// The concrete of [`eurocode_concrete`] by Lee and Fenves: the same medium, strengths and energies,
+/// all else as in [`PAPER_CONCRETE_LEE_FENVES`].
+///
+/// # Errors
+/// A strength outside the range of the table.
+pub fn eurocode_lee_fenves(strength: f64) -> Result<LeeFenvesParameters, MaterialError> {
+    let concrete = Eurocode::new(strength)?;
+    Ok(LeeFenvesParameters {
+        medium: concrete.medium,
+        tension_strength: concrete.tension_strength,
+        compression_strength: concrete.compression_strength,
+        compression_limit: concrete.compression_strength,
+        tension_energy: concrete.cracking_energy,
+        compression_energy: concrete.crushing_energy,
+        ..PAPER_CONCRETE_LEE_FENVES
+    })
+}
+
+/// What the code says of a concrete.
+struct Eurocode {
+    medium: ElasticMedium,
+    /// Mean strengths (Pa).
+    tension_strength: f64,
+    compression_strength: f64,
+    /// Energies per area (N/m).
+    cracking_energy: f64,
+    crushing_energy: f64,
+}
+
+impl Eurocode {
+    /// The concrete of a characteristic cylinder strength (MPa).
+    fn new(strength: f64) -> Result<Self, MaterialError> {
+        ParameterError::check("strength", strength, 12.0, 50.0)?;
+        let compressive = strength + 8.0;
+        let young = 22.0e9 * (compressive / 10.0).powf(0.3);
+        Ok(Self {
+            medium: ElasticMedium::new(young, 0.2, 2500.0)?,
+            tension_strength: 1.0e6 * (0.3 * strength.powf(2.0 / 3.0)),
+            compression_strength: 1.0e6 * compressive,
+            cracking_energy: 73.0 * compressive.powf(0.18),
+            crushing_energy: 8.8e3 * compressive.sqrt(),
+        })
+    }
 }
 
 /// Damage by energies of cracking and crushing (N/m).

@@ -18,20 +18,36 @@ pub(crate) fn rounding<L: Lane>() -> f64 {
     }
 }
 
+/// A function of one unknown.
+///
+/// A trait that laws implement rather than a closure that they pass: a closure over lanes that is
+/// called at more than one place may be compiled on its own, for the oldest processor.
+pub(crate) trait Function<L> {
+    /// Its value.
+    fn at(&self, place: L) -> L;
+}
+
+impl<L, F: Fn(L) -> L> Function<L> for F {
+    #[inline(always)]
+    fn at(&self, place: L) -> L {
+        self(place)
+    }
+}
+
 /// The zero of a function between two places, given with their values, of which at most one is
 /// positive and at most one negative.
 ///
 /// False position with the rule of Anderson & Björck (1973), of order 1.7: the value at an end that
 /// stays is scaled by `1 - f(new) / f(replaced)`, or by a half where that is not positive. The zero
-/// stays enclosed, whatever the function, and a bracket that does not narrow is halved. A lane whose value is not above the tolerance, or whose
-/// ends have met, is left alone while others go on: the scalar form gives the same bits. The answer
-/// is the place of the smallest value that was seen.
+/// stays enclosed, whatever the function, and a bracket that does not narrow is halved. A lane whose
+/// value is not above the tolerance, or whose ends have met, is left alone while others go on: the
+/// scalar form gives the same bits. The answer is the place of the smallest value that was seen.
 #[inline(always)]
 pub(crate) fn zero_between<L: Lane>(
     first: [L; 2],
     second: [L; 2],
     tolerance: L,
-    function: impl Fn(L) -> L,
+    function: &impl Function<L>,
 ) -> L {
     let number = |value: f64| tolerance.constant(value);
     let (zero, one, half) = (number(0.0), number(1.0), number(0.5));
@@ -62,7 +78,7 @@ pub(crate) fn zero_between<L: Lane>(
         } else {
             guess
         };
-        let value = function(guess);
+        let value = function.at(guess);
 
         let is_less = value.abs().less(least);
         best = guess.select(is_less, best).select(open, best);
@@ -99,7 +115,7 @@ mod tests {
                 count.set(count.get() + 1);
                 function(x)
             };
-            zero_between([low, function(low)], [high, function(high)], 0.0, counted)
+            zero_between([low, function(low)], [high, function(high)], 0.0, &counted)
         };
         let smooth = find(0.0, 2.0, &|x| x * x - 2.0);
         assert!((smooth - 2.0_f64.sqrt()).abs() < 1e-15);

@@ -135,34 +135,30 @@ impl<L: Lane> Flow<L> {
     /// The flow that brings a trial stress back to the surface; none if no lane leaves it.
     #[inline(always)]
     pub(crate) fn back<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
-        let bound = surface.bound(trial);
-        let zero = bound.constant(0.0);
-        let may_yield = zero.less(bound);
-        if !bound.any(may_yield) {
-            return None;
-        }
-        let axes = PrincipalAxes::of(trial);
-        // The bound decides first, in every lane: a lane on its own would not come here.
-        let excess = surface.excess(&axes.values).select(may_yield, zero);
-        let yielded = zero.less(excess);
+        let (axes, yielded) = beyond(surface, trial)?;
         let returned = surface.return_principal(&axes.values);
-        let stress = pick(yielded, &returned.stress, &axes.values);
+        Some(Self::new(&surface.medium(), (axes, yielded), returned))
+    }
 
-        // e = C^-1 (trial - returned), in principal values.
-        let medium = surface.medium();
-        let share = bound.constant(medium.poisson / (1.0 + medium.poisson));
-        let compliance = bound.constant(0.5 / medium.shear());
+    /// The flow from a trial stress with some axes, in the lanes that yielded, to where it was
+    /// returned.
+    #[inline(always)]
+    pub(crate) fn new(
+        medium: &ElasticMedium,
+        (axes, yielded): (PrincipalAxes<L>, L::Mask),
+        returned: PrincipalReturn<L>,
+    ) -> Self {
+        let zero = returned.state.constant(0.0);
         let loss = returned.loss;
-        let common = share * (loss[0] + loss[1] + loss[2]);
-        let plastic = each(&loss, |x| (compliance * (x - common)).select(yielded, zero));
-        Some(Self {
+        let plastic = each(&strains_of_loss(medium, &loss), |x| x.select(yielded, zero));
+        Self {
             yielded,
             axes,
-            stress,
+            stress: pick(yielded, &returned.stress, &axes.values),
             loss,
             plastic,
             state: returned.state.select(yielded, zero),
-        })
+        }
     }
 
     /// The change of stress against the initial stress after the flow (Pa), from the change that
@@ -188,6 +184,35 @@ impl<L: Lane> Flow<L> {
         let strains = [xx, yy, zz, xy + xy, yz + yz, zx + zx];
         each(&strains, |x| x.select(self.yielded, zero))
     }
+}
+
+/// The principal axes of a trial stress and the lanes in which it lies outside a surface; none if no
+/// lane may.
+#[inline(always)]
+pub(crate) fn beyond<L: Lane, S: YieldSurface>(
+    surface: &S,
+    trial: &Stress<L>,
+) -> Option<(PrincipalAxes<L>, L::Mask)> {
+    let bound = surface.bound(trial);
+    let zero = bound.constant(0.0);
+    let may_yield = zero.less(bound);
+    if !bound.any(may_yield) {
+        return None;
+    }
+    let axes = PrincipalAxes::of(trial);
+    // The bound decides first, in every lane: a lane on its own would not come here.
+    let excess = surface.excess(&axes.values).select(may_yield, zero);
+    Some((axes, zero.less(excess)))
+}
+
+/// The principal strains of principal stresses (Pa), `C^-1 (trial - returned)`.
+#[inline(always)]
+pub(crate) fn strains_of_loss<L: Lane>(medium: &ElasticMedium, loss: &[L; 3]) -> [L; 3] {
+    let number = |value: f64| loss[0].constant(value);
+    let share = number(medium.poisson / (1.0 + medium.poisson));
+    let compliance = number(0.5 / medium.shear());
+    let common = share * (loss[0] + loss[1] + loss[2]);
+    each(loss, |x| compliance * (x - common))
 }
 
 /// One of two sets of three values, lane by lane.

@@ -1,6 +1,6 @@
-//! The consistent tangent of flow on an isotropic surface.
+//! Consistent tangents of isotropic laws.
 
-use powerhouse_model::{LawInput, Mat3, Strain, Stress};
+use powerhouse_model::{ElasticMedium, LawInput, Mat3, Strain, Stress};
 
 use crate::PrincipalAxes;
 use crate::dual::Dual;
@@ -9,33 +9,28 @@ use crate::surface::YieldSurface;
 /// Principal trial stresses nearer to each other than this share of the largest count as equal.
 const EQUAL: f64 = 1.0e-9;
 
-/// `d stress / d strain` (Pa) of the implicit return from the elastic strain of an input.
+/// `d stress / d strain` (Pa) of a stress that is an isotropic function of the trial stress of an
+/// elastic strain: its principal values `s_i` are given functions of the principal trial stresses.
 ///
-/// With principal trial stresses `t_i` along `n_i`, returned ones `s_i(t)` and their derivatives
-/// `P_ij = ds_i / dt_j`, a change `T` of the trial stress, in the axes `n`, changes the stress by
+/// With principal trial stresses `t_i` along `n_i` and the derivatives `P_ij = ds_i / dt_j`, a change
+/// `T` of the trial stress, in the axes `n`, changes the stress by
 ///
 /// `S_ii = sum P_ij T_jj`, `S_ij = (s_i - s_j) / (t_i - t_j) T_ij`
 ///
 /// and by `(P_ii - P_ij) T_ij` where two are equal. Source: Simo & Hughes, *Computational
 /// Inelasticity* (1998), ch. 8; de Souza Neto, Peric & Owen, *Computational Methods for Plasticity*
 /// (2008), app. A.
-pub(crate) fn of_flow<S: YieldSurface>(
-    surface: &S,
+pub(crate) fn of_isotropic(
+    medium: &ElasticMedium,
     input: &LawInput<f64>,
     elastic: &Strain,
+    principal: impl Fn(&[Dual; 3]) -> [Dual; 3],
 ) -> [[f64; 6]; 6] {
-    let medium = surface.medium();
     let hooke = |strain: &Strain| Stress::elastic(medium.lambda(), medium.shear(), strain);
     let trial = input.initial + hooke(elastic);
     let axes = PrincipalAxes::of(&trial);
     let t = axes.values;
-    let yields = surface.bound(&trial) > 0.0 && surface.excess(&t) > 0.0;
-    let seeded: [Dual; 3] = core::array::from_fn(|i| Dual::variable(t[i], i));
-    let returned = if yields {
-        surface.return_principal(&seeded).stress
-    } else {
-        seeded
-    };
+    let returned = principal(&core::array::from_fn(|i| Dual::variable(t[i], i)));
     let size = t.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
     let turned = |i: usize, j: usize| {
         let apart = t[i] - t[j];
@@ -65,4 +60,35 @@ pub(crate) fn of_flow<S: YieldSurface>(
         }
     }
     tangent
+}
+
+/// The tangent of flow back to a surface from the elastic strain of an input.
+pub(crate) fn of_flow<S: YieldSurface>(
+    surface: &S,
+    input: &LawInput<f64>,
+    elastic: &Strain,
+) -> [[f64; 6]; 6] {
+    of_isotropic(&surface.medium(), input, elastic, |trial| {
+        let yields = surface.excess(&trial.map(|s| s.value)) > 0.0;
+        if yields {
+            surface.return_principal(trial).stress
+        } else {
+            *trial
+        }
+    })
+}
+
+/// The zero `x` of `f(x, t) = 0` with its derivatives `-(df/dt) / (df/dx)`, given as a number and as
+/// `f` with fixed and with variable `t`.
+pub(crate) fn implicit(
+    zero: f64,
+    fixed: impl Fn(Dual) -> Dual,
+    variable: impl Fn(Dual) -> Dual,
+) -> Dual {
+    let along = fixed(Dual::variable(zero, 0)).slope[0];
+    let across = variable(Dual::fixed(zero)).slope;
+    Dual {
+        value: zero,
+        slope: across.map(|slope| -slope / along),
+    }
 }

@@ -39,6 +39,23 @@ pub enum ReferenceFrequency {
     Static,
 }
 
+impl ReferenceFrequency {
+    /// The speed of waves there, relative to that of static moduli.
+    ///
+    /// # Errors
+    /// A frequency that is not above zero or above 1 MHz.
+    pub fn velocity(self, spectrum: &RelaxationSpectrum) -> Result<f64, ParameterError> {
+        Ok(match self {
+            Self::Static => 1.0,
+            Self::Centre => spectrum.velocity(spectrum.centre()),
+            Self::At(frequency) => {
+                ParameterError::check("reference", frequency, f64::MIN_POSITIVE, 1.0e6)?;
+                spectrum.velocity(frequency)
+            }
+        })
+    }
+}
+
 /// Any law, damped by relaxation mechanisms in series with its plastic flow and damage.
 ///
 /// The elastic strain `e` of the law (strain less plastic strain) strains a spring and, beside
@@ -130,14 +147,7 @@ impl<M: ElasticInSeries> FlatDamping<M> {
         spectrum: RelaxationSpectrum,
         reference: ReferenceFrequency,
     ) -> Result<Self, ParameterError> {
-        let velocity = match reference {
-            ReferenceFrequency::Static => 1.0,
-            ReferenceFrequency::Centre => spectrum.velocity(spectrum.centre()),
-            ReferenceFrequency::At(frequency) => {
-                ParameterError::check("reference", frequency, f64::MIN_POSITIVE, 1.0e6)?;
-                spectrum.velocity(frequency)
-            }
-        };
+        let velocity = reference.velocity(&spectrum)?;
         let relaxed = 1.0 / (velocity * velocity);
         let count = spectrum.mechanisms().len();
         let mut variables = law.history().to_vec();
@@ -182,16 +192,17 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
         let own = new_history.len() - 6 * self.spectrum.mechanisms().len();
         let (of_law, relaxing) = new_history.split_at_mut(own);
         let (law_before, before) = input.history.split_at(own);
+        // One place that asks the law: it is compiled once.
+        let mut asked = input.with_history(law_before);
+        if let Some(terms) = &self.terms {
+            asked = asked.with_strain(terms.asked(&input.strain, before));
+        }
+        let stress = self.asked.stress_change(&asked, of_law);
         let Some(terms) = &self.terms else {
             relaxing.copy_from_slice(before);
-            return self
-                .asked
-                .stress_change(&input.with_history(law_before), of_law);
+            return stress;
         };
         let first = input.strain.0[0];
-        let asked = input.with_history(law_before);
-        let asked = asked.with_strain(terms.asked(&input.strain, before));
-        let stress = self.asked.stress_change(&asked, of_law);
         let elastic = match self.asked.inelastic_strain(of_law) {
             Some(inelastic) => array(|i| input.strain.0[i] - inelastic[i]),
             None => input.strain.0,
@@ -217,6 +228,16 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
             asked = asked.with_strain(terms.asked(&input.strain, before));
         }
         self.asked.energy(&asked, &new_history[..own])
+    }
+    /// That of the law for the strain less its viscous part, which a step does not change.
+    fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
+        let own = input.history.len() - 6 * self.spectrum.mechanisms().len();
+        let (law_before, before) = input.history.split_at(own);
+        let mut asked = input.with_history(law_before);
+        if let Some(terms) = &self.terms {
+            asked = asked.with_strain(terms.asked(&input.strain, before));
+        }
+        self.asked.tangent(&asked)
     }
     fn relaxes(&self) -> bool {
         true

@@ -8,6 +8,7 @@ use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
 use crate::hoek_brown::tunnel;
 use crate::random::Random;
+use crate::softening_plasticity::softening;
 
 fn respond(law: &impl ConstitutiveLaw, strain: [f64; 6]) -> (Stress, Vec<f64>) {
     let old = vec![0.0; law.history().len()];
@@ -97,6 +98,18 @@ fn plastic_damage_is_admissible_or_not_finite() {
         let effective = stress.0.map(|s| s / (1.0 - history[10]));
         // Divided by at least a thousandth: so is the rounding.
         1e-3 * surface.excess(&PrincipalAxes::of(&Stress(effective)).values)
+    });
+}
+
+/// Falling strength: strains of every size give an admissible stress or one that is not finite.
+#[test]
+fn softening_plasticity_is_admissible_or_not_finite() {
+    let law = softening(10.0);
+    let surface = law.parameters().surface;
+    check(&law, |stress, history| {
+        let left = 1.0 - history[8];
+        let scaled = Stress(stress.0.map(|s| s / left));
+        left * surface.excess(&PrincipalAxes::of(&scaled).values)
     });
 }
 

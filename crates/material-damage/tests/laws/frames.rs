@@ -10,6 +10,7 @@ use proptest::prelude::*;
 
 use crate::hoek_brown::tunnel;
 use crate::random::Random;
+use crate::softening_plasticity::softening;
 
 fn mohr_coulomb(dilation: f64) -> MohrCoulomb {
     MohrCoulomb::new(MohrCoulombParameters {
@@ -117,6 +118,7 @@ fn laws_have_no_preferred_direction() {
         &ElastoPlastic::new(HoekBrown::new(tunnel(0.5)).unwrap()),
         1.0e-3,
     );
+    isotropic(&softening(10.0), 1.0e-3);
     isotropic(&damaging(), 3.0e-4);
     isotropic(&lee_fenves(), 3.0e-4);
     isotropic(
@@ -187,6 +189,7 @@ proptest! {
         takes(&ElastoPlastic::new(listed()), &path, None);
         takes(&ElastoPlastic::new(HoekBrown::new(tunnel(0.0)).unwrap()), &path, None);
         takes(&ElastoPlastic::new(HoekBrown::new(tunnel(1.0)).unwrap()), &path, None);
+        takes(&softening(10.0), &path, None);
         takes(&presets::paper_concrete().unwrap(), &path, Some(10));
         takes(&damaging(), &path, Some(10));
         takes(&lee_fenves(), &path, Some(10));

@@ -10,6 +10,7 @@ use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 use crate::hoek_brown::tunnel;
 use crate::packs::Pack;
 use crate::random::Random;
+use crate::softening_plasticity::softening;
 
 /// Follows random cyclic strains of four points, wide and one at a time, under an initial stress.
 fn same_bits<S, M: ConstitutiveLaw>(law: &M, amplitude: f64)
@@ -127,6 +128,15 @@ fn plastic_damage_is_the_same_wide_and_scalar() {
     let law = presets::paper_concrete().unwrap();
     same_bits::<f64, _>(&law, 3.0e-4);
     same_bits::<f32, _>(&law, 3.0e-4);
+}
+
+/// Falling strength: many points at once are the same bits as one at a time, in both precisions.
+#[test]
+fn softening_plasticity_is_the_same_wide_and_scalar() {
+    for dilation in [0.0, 42.0] {
+        same_bits::<f64, _>(&softening(dilation), 1.0e-3);
+        same_bits::<f32, _>(&softening(dilation), 1.0e-3);
+    }
 }
 
 /// Lee-Fenves: many points at once are the same bits as one at a time, in both precisions.

@@ -17,5 +17,6 @@ mod plastic_damage;
 mod precision;
 mod principal;
 mod random;
+mod softening_plasticity;
 mod tangent;
 mod two_surface;

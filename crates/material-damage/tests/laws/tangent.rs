@@ -1,16 +1,20 @@
 //! Tangents against difference quotients.
 
 use powerhouse_material_damage::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown, MohrCoulomb,
-    MohrCoulombParameters, TwoSurface, YieldSurface, presets,
+    ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, FlatDamping,
+    HoekBrown, LeeFenves, LeeFenvesParameters, Mazars, MohrCoulomb, MohrCoulombParameters,
+    PlasticDamage, PlasticDamageParameters, ReferenceFrequency, RelaxationSpectrum, Softening,
+    TwoSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
 use crate::hoek_brown::tunnel;
 use crate::random::Random;
+use crate::softening_plasticity::softening;
 
-fn check<S: YieldSurface>(surface: S, amplitude: f64) {
-    let law = ElastoPlastic::new(surface);
+/// Compares the tangent of a law in an element of 0.2 m with difference quotients at random strains.
+fn check(law: &impl ConstitutiveLaw, amplitude: f64) {
+    let variables = law.history().len();
     let young = law.medium().young;
     let mut random = Random(101);
     let (mut compared, mut flowing) = (0, 0);
@@ -20,18 +24,25 @@ fn check<S: YieldSurface>(surface: S, amplitude: f64) {
         let is_sound = case % 4 == 0;
         let size = if is_sound { 1.0e-3 } else { 1.0 };
         let strain = random.six().map(|x| size * amplitude * x);
-        let mut old = [0.0; 8];
-        let input = LawInput::new(Strain(strain), &[0.0; 8]).with_initial(initial);
+        let mut old = vec![0.0; variables];
+        let none = old.clone();
+        let input = LawInput::new(Strain(strain), &none)
+            .with_initial(initial)
+            .with_size(0.2);
         law.stress_change(&input, &mut old);
         let size = 0.1 * size * amplitude;
         let strain: [f64; 6] = core::array::from_fn(|i| strain[i] + size * random.signed());
         let respond = |strain: [f64; 6]| {
-            let mut new = [0.0; 8];
-            let input = LawInput::new(Strain(strain), &old).with_initial(initial);
+            let mut new = vec![0.0; variables];
+            let input = LawInput::new(Strain(strain), &old)
+                .with_initial(initial)
+                .with_size(0.2);
             (law.stress_change(&input, &mut new), new)
         };
         let (here, new) = respond(strain);
-        let input = LawInput::new(Strain(strain), &old).with_initial(initial);
+        let input = LawInput::new(Strain(strain), &old)
+            .with_initial(initial)
+            .with_size(0.2);
         let tangent = law.tangent(&input).unwrap();
         let step = 1.0e-6 * amplitude;
         for column in 0..6 {
@@ -80,7 +91,10 @@ fn tangents_are_derivatives() {
             tension_strength: Some(0.5e6),
             ..presets::PAPER_ROCK
         };
-        check(MohrCoulomb::new(plane).unwrap(), 1.0e-3);
+        check(
+            &ElastoPlastic::new(MohrCoulomb::new(plane).unwrap()),
+            1.0e-3,
+        );
         let cone = DruckerPragerParameters {
             medium: presets::PAPER_ROCK.medium,
             friction: 42.0,
@@ -88,13 +102,64 @@ fn tangents_are_derivatives() {
             cohesion: 1.05e6,
             fit: ConeFit::Inscribed,
         };
-        check(DruckerPrager::new(cone).unwrap(), 1.0e-3);
+        check(
+            &ElastoPlastic::new(DruckerPrager::new(cone).unwrap()),
+            1.0e-3,
+        );
+    }
+    let listed = TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap();
+    check(&ElastoPlastic::new(listed), 5.0e-4);
+    for share in [0.0, 0.5, 1.0] {
+        let surface = HoekBrown::new(tunnel(share)).unwrap();
+        check(&ElastoPlastic::new(surface), 1.0e-3);
+    }
+}
+
+/// The tangents of laws that soften and crack are their derivatives too, whether a point loads or
+/// unloads, in tension, compression and between; damped in series as well.
+#[test]
+fn tangents_of_damage_are_derivatives() {
+    for dilation in [0.0, 10.0] {
+        check(&softening(dilation), 1.0e-3);
+    }
+    check(&presets::paper_concrete().unwrap(), 3.0e-4);
+    let listed = PlasticDamage::new(PlasticDamageParameters {
+        surface: TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap(),
+        tension: Softening::Rates {
+            share: 0.9,
+            rate: 5.0e3,
+            threshold: 2.0e-5,
+        },
+        compression: Softening::Rates {
+            share: 0.95,
+            rate: 500.0,
+            threshold: 1.0e-5,
+        },
+        stiffness_recovery: 0.7,
+        residual_stiffness: 1.0e-3,
+    });
+    check(&listed.unwrap(), 5.0e-4);
+    for (limit, damage) in [(16.7e6, 1.0), (9.0e6, 0.6)] {
+        let law = LeeFenves::new(LeeFenvesParameters {
+            compression_limit: limit,
+            tension_damage: damage,
+            ..presets::PAPER_CONCRETE_LEE_FENVES
+        });
+        check(&law.unwrap(), 4.0e-4);
     }
     check(
-        TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap(),
-        5.0e-4,
+        &Mazars::new(presets::PAPER_CONCRETE_MAZARS).unwrap(),
+        2.0e-4,
     );
-    for share in [0.0, 0.5, 1.0] {
-        check(HoekBrown::new(tunnel(share)).unwrap(), 1.0e-3);
-    }
+    let band = DampingBand {
+        ratio: 0.05,
+        lowest: 0.5,
+        highest: 20.0,
+        mechanisms: 2,
+    };
+    let spectrum = RelaxationSpectrum::fit(band).unwrap();
+    let concrete = presets::paper_concrete().unwrap();
+    let damped = FlatDamping::new(concrete, spectrum, ReferenceFrequency::Centre).unwrap();
+    check(&damped, 3.0e-4);
+    check(&damped.for_step(1.0e-3), 3.0e-4);
 }

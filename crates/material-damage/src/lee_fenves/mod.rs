@@ -1,19 +1,23 @@
 //! Concrete damaged plasticity after Lubliner, Lee and Fenves.
 
+mod flow;
+mod linearised;
+
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
     ParameterError, Stress, array, each,
 };
 
+use crate::dual::Dual;
 use crate::energy::{difference, of_flow_and_damage};
 use crate::plastic_damage::{
     COMPRESSION, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE,
     share_of_tension, weaken,
 };
-use crate::root::{rounding, zero_between};
-use crate::surface::{FAR, YieldState, mean_and_shear, stiffened};
+use crate::surface::{YieldState, mean_and_shear, stiffened};
 use crate::uniaxial::UniaxialCurve;
-use crate::{ElasticInSeries, MaterialError, PrincipalAxes};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
+use flow::Trial;
 
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
@@ -110,43 +114,6 @@ pub struct LeeFenves {
     swelling: f64,
     lambda: f64,
     shear: f64,
-}
-
-/// A trial of the effective stress.
-struct Trial<L> {
-    mean: L,
-    /// `sqrt(J2)` (Pa).
-    shear: L,
-    /// Principal deviators in falling order (Pa).
-    deviators: [L; 3],
-    /// `e_t` and `e_c` before the step.
-    old: [L; 2],
-    /// `b_t` and `b_c`.
-    rates: [L; 2],
-}
-
-/// The state after an amount of flow.
-struct Flowed<L> {
-    /// Principal stresses (Pa).
-    stress: [L; 3],
-    /// `e_t` and `e_c`.
-    strains: [L; 2],
-    /// Mean stress, `sqrt(J2)` (Pa).
-    invariants: [L; 2],
-    /// Share of the deviator that flow took.
-    released: L,
-    /// The share of tension `r`.
-    tension: L,
-}
-
-impl<L: Lane> Flowed<L> {
-    /// Whether the trial was [`FAR`]: the difference to it would carry its rounding.
-    #[inline(always)]
-    fn is_far(&self, trial: &Trial<L>) -> L::Mask {
-        let [mean, shear] = self.invariants;
-        let size = mean.abs() + shear;
-        (size * size.constant(FAR)).less(trial.mean.abs() + trial.shear)
-    }
 }
 
 impl LeeFenves {
@@ -278,107 +245,6 @@ impl LeeFenves {
             + number(self.confined) * pressed;
         sum / compressive + number(1.0 - self.biaxial) * (pulled / tensile - number(1.0))
     }
-
-    /// What an amount of flow, the fall of `sqrt(J2)` (Pa), makes of a trial; flow beyond the apex
-    /// of the cone changes the mean stress alone.
-    #[inline(always)]
-    fn after<L: Lane>(&self, trial: &Trial<L>, flow: L) -> Flowed<L> {
-        let number = |value: f64| flow.constant(value);
-        let (zero, one) = (number(0.0), number(1.0));
-        let divisor = trial.shear.select(zero.less(trial.shear), one);
-        let released = (flow / divisor).min(one);
-        let lowered = number(self.swelling) * flow;
-        let mean = trial.mean - lowered;
-        let left = one - released;
-        let stress = each(&trial.deviators, |s| s.mul_add(left, mean));
-        let tension = share_of_tension(&stress);
-        let medium = &self.parameters.medium;
-        let volume = lowered * number(1.0 / (3.0 * medium.bulk()));
-        let shape = released * number(0.5 / self.shear);
-        let opened = shape.mul_add(trial.deviators[0], volume).max(zero);
-        let crushed = (-shape.mul_add(trial.deviators[2], volume)).max(zero);
-        Flowed {
-            stress,
-            strains: [
-                tension.mul_add(opened, trial.old[0]),
-                (one - tension).mul_add(crushed, trial.old[1]),
-            ],
-            invariants: [mean, trial.shear * left],
-            released,
-            tension,
-        }
-    }
-
-    /// The factor that takes a stress back to the surface, beside which it lies by the rounding of
-    /// a trial from far; at most one.
-    #[inline(always)]
-    fn shrinking<L: Lane>(&self, trial: &Trial<L>, flowed: &Flowed<L>) -> L {
-        let strengths = self.strengths(flowed.strains, trial.rates);
-        let excess = self.excess(flowed.invariants, flowed.stress[0], strengths);
-        // Without its last term the yield function grows with the stress.
-        let at_yield = excess.constant(1.0 - self.biaxial);
-        at_yield / (at_yield + excess.max(excess.constant(0.0)))
-    }
-
-    /// The amount of flow that brings a trial, outside by `excess` with the `strengths` before the
-    /// step, back to the surface (Pa).
-    #[inline(always)]
-    fn flow<L: Lane>(&self, trial: &Trial<L>, excess: L, strengths: [L; 2]) -> L {
-        let number = |value: f64| excess.constant(value);
-        let zero = number(0.0);
-        let outside = |flow: L| {
-            let flowed = self.after(trial, flow);
-            let strengths = self.strengths(flowed.strains, trial.rates);
-            self.excess(flowed.invariants, flowed.stress[0], strengths)
-        };
-        // Sound at last: no deviator, and no tension.
-        let end = trial.shear.max(trial.mean * number(1.0 / self.swelling));
-
-        // The first guess takes strengths and signs of stresses for fixed.
-        let [tensile, compressive] = strengths;
-        let divisor = trial.shear.select(zero.less(trial.shear), number(1.0));
-        let turned = trial.deviators[0] / divisor;
-        let greatest = turned + number(self.swelling);
-        let is_pulled = zero.less(trial.deviators[0] + trial.mean);
-        let pulled =
-            number(1.0 - self.biaxial) / tensile - number(1.0 + self.biaxial) / compressive;
-        let pressed = number(self.confined) / compressive;
-        let common = number(3.0 * self.biaxial * self.swelling + ROOT_3) / compressive;
-        let slope = greatest.mul_add(pulled.select(is_pulled, pressed), common);
-        let near = (excess / slope).min(end);
-        let at_near = outside(near);
-        // Where it falls short, beyond the secant by a tenth.
-        let secant = near * excess / (excess - at_near).max(excess * number(0.05));
-        let far = (number(1.1) * secant).min(end).max(near);
-        let is_short = zero.less(at_near);
-        let far = far.select(is_short, near);
-        let at_far = if zero.any(is_short) {
-            outside(far).select(is_short, at_near)
-        } else {
-            at_near
-        };
-        // And where that falls short too, all the way.
-        let is_shorter = zero.less(at_far);
-        let [first, at_first] = [
-            near.select(is_short, zero),
-            at_near.select(is_short, excess),
-        ];
-        let [first, at_first] = [
-            far.select(is_shorter, first),
-            at_far.select(is_shorter, at_first),
-        ];
-        let last = end.select(is_shorter, far);
-        let at_last = if zero.any(is_shorter) {
-            outside(end).select(is_shorter, at_far)
-        } else {
-            at_far
-        };
-        let size = trial.mean.abs() + trial.shear;
-        let tension = (trial.mean + trial.deviators[0]).max(zero);
-        let terms = number(4.0) * size / compressive + tension / tensile + number(1.0);
-        let tolerance = number(2.0 * rounding::<L>()) * terms;
-        zero_between([first, at_first], [last, at_last], tolerance, outside)
-    }
 }
 
 impl ElasticInSeries for LeeFenves {
@@ -434,7 +300,10 @@ impl ConstitutiveLaw for LeeFenves {
         let strengths = if first.any(zero.less(strains[0] + strains[1])) {
             self.strengths(strains, rates)
         } else {
-            [self.tension.limit(), self.compression.limit()].map(number)
+            [
+                number(self.tension.limit()),
+                number(self.compression.limit()),
+            ]
         };
         // No greatest stress is greater.
         let greatest = shear.mul_add(number(2.0 / ROOT_3), mean);
@@ -523,6 +392,13 @@ impl ConstitutiveLaw for LeeFenves {
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let medium = &self.parameters.medium;
         Some(of_flow_and_damage(medium, input, new_history, DAMAGE))
+    }
+    /// The consistent one; at a kink that of one side.
+    fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
+        let elastic = difference(&input.strain.0, input.history);
+        let respond = |trial: &[Dual; 3]| self.principal_response(input, trial);
+        let medium = &self.parameters.medium;
+        Some(tangent::of_isotropic(medium, input, &elastic, respond))
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         Ok(self.check_size(size)?)

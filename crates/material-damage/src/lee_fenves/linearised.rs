@@ -1,0 +1,96 @@
+//! The response with its derivatives.
+
+use powerhouse_model::{Lane, LawInput, each};
+
+use super::flow::{Outside, Trial};
+use super::{COMPRESSION, DAMAGE_COMPRESSION, DAMAGE_TENSION, LeeFenves, TENSION};
+use crate::dual::Dual;
+use crate::plastic_damage::{share_of_tension, stiffness_left};
+use crate::root::Function;
+use crate::tangent::implicit;
+
+impl LeeFenves {
+    /// The principal nominal stresses of principal trial stresses (Pa).
+    pub(super) fn principal_response(
+        &self,
+        input: &LawInput<f64>,
+        principal: &[Dual; 3],
+    ) -> [Dual; 3] {
+        let p = &self.parameters;
+        let old = input.history;
+        let before = [old[TENSION], old[COMPRESSION]];
+        let rates = [
+            self.tension.rate(input.size),
+            self.compression.rate(input.size),
+        ];
+        let known = Trial::of_principal(&principal.map(|s| s.value), before, rates);
+        let trial = Trial::of_principal(principal, before.map(Dual::fixed), rates.map(Dual::fixed));
+        let shares = [p.stiffness_recovery, p.residual_stiffness];
+        let mut damage = [DAMAGE_TENSION, DAMAGE_COMPRESSION].map(|v| Dual::fixed(old[v]));
+        let mut stress = *principal;
+        let strengths = self.strengths(before, rates);
+        let invariants = [known.mean, known.shear];
+        let excess = self.excess(invariants, principal[0].value, strengths);
+        if excess > 0.0 {
+            let fixed = known.fixed();
+            let flow = implicit(
+                self.flow(&known, excess, strengths),
+                |flow| {
+                    Outside {
+                        law: self,
+                        trial: &fixed,
+                    }
+                    .at(flow)
+                },
+                |flow| {
+                    Outside {
+                        law: self,
+                        trial: &trial,
+                    }
+                    .at(flow)
+                },
+            );
+            let flowed = self.after(&trial, flow);
+            stress = flowed.stress;
+            let most = 1.0 - p.residual_stiffness;
+            let [opened, crushed] = flowed.strains;
+            let torn = self.tension.damage(opened, trial.rates[0], most);
+            let broken = self.compression.damage(crushed, trial.rates[1], most);
+            damage = [torn.max(damage[0]), broken.max(damage[1])];
+        }
+        let left = stiffness_left(damage, share_of_tension(&stress), shares);
+        each(&stress, |s| left * s)
+    }
+}
+
+impl<L: Lane> Trial<L> {
+    /// The trial of principal stresses (Pa) in falling order, after `e_t` and `e_c`, with `b_t` and
+    /// `b_c`.
+    fn of_principal(values: &[L; 3], old: [L; 2], rates: [L; 2]) -> Self {
+        let number = |value: f64| values[0].constant(value);
+        let mean = (values[0] + values[1] + values[2]) * number(1.0 / 3.0);
+        let deviators = each(values, |s| s - mean);
+        let [x, y, z] = deviators;
+        let shear = ((x * x + y * y + z * z) * number(0.5)).sqrt();
+        Self {
+            mean,
+            shear,
+            deviators,
+            old,
+            rates,
+        }
+    }
+}
+
+impl Trial<f64> {
+    /// The same without derivatives.
+    fn fixed(&self) -> Trial<Dual> {
+        Trial {
+            mean: Dual::fixed(self.mean),
+            shear: Dual::fixed(self.shear),
+            deviators: self.deviators.map(Dual::fixed),
+            old: self.old.map(Dual::fixed),
+            rates: self.rates.map(Dual::fixed),
+        }
+    }
+}
