@@ -25,7 +25,7 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
     Ok(())
 }
 
-fn remarks(remarks: &[Remark]) {
+fn remarks<'r>(remarks: impl IntoIterator<Item = &'r Remark>) {
     for remark in remarks {
         let word = if remark.is_warning() { "warning: " } else { "" };
         println!("{word}{remark}");
@@ -112,8 +112,14 @@ pub(crate) fn check(report: &CheckReport) {
             Results::SMALL_SLIP * joint.shortest_edge
         );
     }
+    let of_part =
+        |remark: &&Remark| matches!(remark, Remark::FlatDamping { .. } | Remark::Rim { .. });
+    if report.remarks.iter().any(|remark| of_part(&remark)) {
+        println!("\nparts");
+        remarks(report.remarks.iter().filter(of_part));
+    }
     println!("\nground motion");
-    remarks(&report.remarks);
+    remarks(report.remarks.iter().filter(|remark| !of_part(remark)));
     println!("\nrun");
     let cost = &report.cost;
     step(&report.stable, cost.step);

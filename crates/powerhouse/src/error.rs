@@ -92,6 +92,26 @@ pub enum Error {
         /// The kernel.
         kernel: String,
     },
+    /// Damping in series with a law of which nobody says what part of its strain is elastic.
+    #[error(
+        "part '{set}': damping cannot stand in series with the law '{law}', whose elastic part is not told"
+    )]
+    NotInSeries {
+        /// The part's set.
+        set: String,
+        /// The law.
+        law: String,
+    },
+    /// A rim without an element.
+    #[error(
+        "part '{set}' has a rim, but no element of it touches an absorbing face or is within {width} m of one"
+    )]
+    IdleRim {
+        /// The part's set.
+        set: String,
+        /// The rim's width (m).
+        width: f64,
+    },
     /// A joint that cannot start as it is to.
     #[error("joint '{joint}', nodes {first} and {second}: {source}")]
     Joint {

@@ -38,6 +38,7 @@
 mod builtin;
 mod builtin_joints;
 mod builtin_laws;
+mod damping;
 mod drive;
 mod error;
 mod fault;
@@ -59,6 +60,7 @@ pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
 pub use powerhouse_wavefield as wavefield;
 
+pub use damping::{Damping, DampingCost};
 pub use drive::{PointPath, PointTest};
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
@@ -70,7 +72,7 @@ pub use output::{
 pub use part::{Kernel, Material, Part};
 pub use registry::Registry;
 pub use remark::Remark;
-pub use scene::{Boundary, InitialMotion, ResidualLimit, Scene, TimeStep};
+pub use scene::{Boundary, InitialMotion, LawMemory, ResidualLimit, Scene, TimeStep};
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 
 /// The program in the project's README compiles and runs.

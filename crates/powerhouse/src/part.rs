@@ -2,11 +2,16 @@
 
 use std::sync::Arc;
 
-use powerhouse_explicit_core::{BlockFactory, BlockOptions, Rayleigh, SolidKernel, solid};
+use powerhouse_explicit_core::{BlockFactory, BlockOptions, SolidKernel, solid};
+use powerhouse_material_damage::{
+    ElasticInSeries, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum,
+};
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind, HistoryVariable, LawEnergy,
-    LawInput, ModelError, PointAdapter, PointLaw, Stress,
+    LawInput, ModelError, ParameterError, PointAdapter, PointLaw, Stress,
 };
+
+use crate::{Damping, Error};
 
 /// A constitutive law of any type, so that a model can be composed at run time.
 ///
@@ -20,7 +25,14 @@ use powerhouse_model::{
 pub struct Material {
     law: Arc<dyn AnyLaw>,
     doubts: Arc<[String]>,
+    /// None if damping cannot stand in series with the law.
+    damped: Option<Arc<Damped>>,
 }
+
+/// The same material with damping in series.
+type Damped = dyn Fn(RelaxationSpectrum, ReferenceFrequency) -> Result<Material, ParameterError>
+    + Send
+    + Sync;
 
 impl Material {
     /// A material that follows a law.
@@ -28,6 +40,20 @@ impl Material {
         Self {
             law: Arc::new(law),
             doubts: Arc::new([]),
+            damped: None,
+        }
+    }
+    /// A material that follows a law of which the elastic part is known, so that damping can stand
+    /// in series with it ([`Damping::Flat`]).
+    pub fn in_series(law: impl ElasticInSeries) -> Self {
+        let undamped = law.clone();
+        let damped = move |spectrum, reference| {
+            let damped = FlatDamping::new(undamped.clone(), spectrum, reference)?;
+            Ok(Self::new(damped))
+        };
+        Self {
+            damped: Some(Arc::new(damped)),
+            ..Self::new(law)
         }
     }
     /// The same with what a user should know of its parameters, such as
@@ -187,6 +213,13 @@ impl Kernel {
             AnyKernel::Own(kernel) => kernel.kind(),
         }
     }
+    /// How many integration points an element has.
+    pub fn points(&self) -> usize {
+        match &self.0 {
+            AnyKernel::Solid(kernel) => kernel.points(),
+            AnyKernel::Own(kernel) => kernel.points(),
+        }
+    }
     pub(crate) fn blocks(
         &self,
         set: &str,
@@ -209,6 +242,7 @@ impl core::fmt::Debug for Kernel {
 trait OwnKernel: Send + Sync {
     fn name(&self) -> &str;
     fn kind(&self) -> ElementKind;
+    fn points(&self) -> usize;
     fn blocks(
         &self,
         set: &str,
@@ -225,6 +259,9 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> OwnKernel for Own<K
     }
     fn kind(&self) -> ElementKind {
         self.0.kind()
+    }
+    fn points(&self) -> usize {
+        P
     }
     fn blocks(
         &self,
@@ -248,7 +285,10 @@ pub struct Part {
     /// their kind.
     pub kernel: Option<Kernel>,
     /// Damping.
-    pub damping: Rayleigh,
+    pub damping: Damping,
+    /// How far from the absorbing faces (m) the part is elastic and undamped, as the free field
+    /// behind them is: elements that touch them, and those of which a node is closer. None: nowhere.
+    pub rim: Option<f64>,
 }
 
 impl Part {
@@ -258,7 +298,8 @@ impl Part {
             set: set.into(),
             material,
             kernel: None,
-            damping: Rayleigh::default(),
+            damping: Damping::None,
+            rim: None,
         }
     }
     /// The same with a kernel.
@@ -269,9 +310,38 @@ impl Part {
     }
     /// The same with damping.
     #[must_use]
-    pub fn damping(mut self, damping: Rayleigh) -> Self {
-        self.damping = damping;
+    pub fn damping(mut self, damping: impl Into<Damping>) -> Self {
+        self.damping = damping.into();
         self
+    }
+    /// The same with a rim (m), elastic and undamped, along the absorbing faces; 0 for the elements
+    /// that touch them alone.
+    #[must_use]
+    pub fn rim(mut self, width: f64) -> Self {
+        self.rim = Some(width);
+        self
+    }
+    /// The material as it moves: damped, if damping stands in series with its law.
+    ///
+    /// # Errors
+    /// [`Error::NotInSeries`]; a reference frequency out of range.
+    pub fn moving_material(&self) -> Result<Material, Error> {
+        let Damping::Flat {
+            spectrum,
+            reference,
+        } = &self.damping
+        else {
+            return Ok(self.material.clone());
+        };
+        let damped = (self.material.damped.as_ref()).ok_or_else(|| Error::NotInSeries {
+            set: self.set.clone(),
+            law: self.material.name().into(),
+        })?;
+        Ok(damped(spectrum.clone(), *reference)?)
+    }
+    /// The material of its rim.
+    pub(crate) fn rim_material(&self) -> Material {
+        Material::new(LinearElastic::new(self.material.medium()))
     }
     /// The part's own kernel, if it is for none of the kinds.
     pub(crate) fn idle_kernel(

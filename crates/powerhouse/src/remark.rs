@@ -5,7 +5,7 @@ use core::fmt;
 use powerhouse_model::Vec3;
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
-use crate::Results;
+use crate::{DampingCost, Results};
 
 /// Something that a user should know of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,6 +90,24 @@ pub enum Remark {
         /// Its law.
         law: String,
     },
+    /// What damping by relaxation mechanisms costs a part.
+    FlatDamping {
+        /// The part's set.
+        set: String,
+        /// What it costs.
+        cost: DampingCost,
+    },
+    /// A part is elastic and undamped along the absorbing faces.
+    Rim {
+        /// The part's set.
+        set: String,
+        /// The rim's width (m).
+        width: f64,
+        /// Elements of the rim.
+        elements: usize,
+        /// Elements of the part.
+        of: usize,
+    },
     /// What does not fit together in a material.
     Material {
         /// The part's set.
@@ -112,6 +130,8 @@ impl Remark {
             | Self::OpenSide { .. }
             | Self::LoadedSurface { .. } => true,
             Self::Record { .. }
+            | Self::FlatDamping { .. }
+            | Self::Rim { .. }
             | Self::Conversion { .. }
             | Self::QuietStart { .. }
             | Self::Scatterer { .. } => false,
@@ -214,12 +234,28 @@ impl fmt::Display for Remark {
             ),
             Self::NonlinearRim { set, law } => write!(
                 f,
-                "part '{set}' of the law '{law}' touches an absorbing face: the free field is elastic, so what yields there reflects its waves; leave an elastic rim"
+                "part '{set}' of the law '{law}' touches an absorbing face: the free field is elastic, so what yields there reflects its waves; give the part a rim"
             ),
+            Self::FlatDamping { set, cost } => write!(f, "damping of part '{set}': {cost}"),
+            Self::Rim {
+                set,
+                width,
+                elements,
+                of,
+            } => {
+                let within = match *width {
+                    0.0 => "touch the absorbing faces".to_owned(),
+                    width => format!("touch the absorbing faces or are within {width} m of them"),
+                };
+                write!(
+                    f,
+                    "rim of part '{set}': {elements} of its {of} elements {within}; they are elastic and undamped"
+                )
+            }
             Self::Material { set, doubt } => write!(f, "material of part '{set}': {doubt}"),
             Self::DampedRim { set } => write!(
                 f,
-                "part '{set}' is damped and touches an absorbing face: the free field is elastic, so its waves are reflected there in part; leave an undamped rim"
+                "part '{set}' is damped and touches an absorbing face: the free field is elastic, so its waves are reflected there in part; give the part a rim"
             ),
         }
     }

@@ -41,6 +41,8 @@ fn registered_types_bring_their_keys() {
     let names = [
         "drucker-prager",
         "elastic",
+        "hoek-brown",
+        "lee-fenves",
         "mazars",
         "mohr-coulomb",
         "plastic-damage",
@@ -49,9 +51,17 @@ fn registered_types_bring_their_keys() {
     assert_eq!(laws, &serde_json::json!(names));
     let choices = &schema["$defs"]["Material"]["allOf"];
     let elastic = &choices[1]["then"]["properties"];
-    let damage = &choices[4]["then"]["properties"];
+    let damage = &choices[6]["then"]["properties"];
     assert!(damage["tension"].is_object() && damage["preset"].is_object());
     assert_eq!(elastic["poisson"]["exclusiveMaximum"], 0.5);
+    for (law, key) in [(2, "strength_index"), (3, "meridian_ratio")] {
+        assert!(choices[law]["then"]["properties"][key].is_object(), "{key}");
+    }
+    let damping = &schema["$defs"]["Damping"];
+    assert!(
+        damping.to_string().contains("\"reference\"") && damping.to_string().contains("\"flat\"")
+    );
+    assert!(schema["$defs"]["Part"]["properties"]["rim"].is_object());
     let boundaries = schema["$defs"]["BoundarySection"]["allOf"]
         .as_array()
         .unwrap();

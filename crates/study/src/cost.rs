@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use powerhouse::engine::Precision;
 use powerhouse::engine::observe::Motion;
-use powerhouse::model::Mesh;
-use powerhouse::{Error, OutputPlan, Scene, Simulation};
+use powerhouse::model::{HistoryKind, Mesh};
+use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
 
 use crate::StudyError;
 
@@ -54,6 +54,16 @@ const ELEMENT_BYTES: [(Precision, f64); 3] = [
     (Precision::Mixed, 450.0),
     (Precision::F32, 350.0),
 ];
+/// Bytes of a number that a law remembers: the committed one, and that of the last forces.
+const REMEMBERED_BYTES: [(Precision, f64); 3] = [
+    (Precision::F64, 16.0),
+    (Precision::Mixed, 8.0),
+    (Precision::F32, 8.0),
+];
+/// Bytes per element for the greatest of an amount and its time, and for flags: they are copied while
+/// they are written and drawn.
+const AMOUNT_BYTES: f64 = 32.0;
+const FLAGS_BYTES: f64 = 16.0;
 /// Bytes per absorbing node: its matrices, and its constants of three waves.
 const BOUNDARY_NODE_BYTES: f64 = 600.0;
 /// Bytes per pair of a joint: geometry, record, matrices, and two copies of what is recorded.
@@ -79,6 +89,36 @@ pub(crate) struct Account {
     precision: Precision,
     absorbing_nodes: usize,
     joints: Joints,
+    laws: Laws,
+}
+
+/// What the laws of a scene remember.
+#[derive(Clone, Copy, Debug, Default)]
+struct Laws {
+    /// Numbers at points.
+    numbers: f64,
+    /// Elements that show something of it.
+    elements: f64,
+    /// Variables that are shown: all, amounts and flags.
+    variables: f64,
+    amounts: f64,
+    flags: f64,
+}
+
+impl Laws {
+    fn of(memory: &LawMemory) -> Self {
+        let of_kind = |kind| {
+            let variables = memory.variables.iter();
+            variables.filter(|v| v.kind == kind).count() as f64
+        };
+        Self {
+            numbers: memory.numbers as f64,
+            elements: memory.elements as f64,
+            variables: memory.variables.len() as f64,
+            amounts: of_kind(HistoryKind::Amount),
+            flags: of_kind(HistoryKind::Flags),
+        }
+    }
 }
 
 /// Sizes of all joints of a scene together.
@@ -119,6 +159,7 @@ impl Account {
             precision: scene.number_format(),
             absorbing_nodes: absorbing.len(),
             joints: Joints::of(scene),
+            laws: Laws::of(&scene.law_memory()?),
         })
     }
 
@@ -132,11 +173,23 @@ impl Account {
     /// Memory of a run of so many steps (bytes).
     pub(crate) fn memory(&self, steps: u64) -> u64 {
         let (nodes, elements) = self.counts();
-        let known = ELEMENT_BYTES.iter().find(|(p, _)| *p == self.precision);
-        let element = known.map_or(ELEMENT_BYTES[0].1, |(_, bytes)| *bytes);
+        let of_precision = |table: [(Precision, f64); 3]| {
+            let known = table.iter().find(|(p, _)| *p == self.precision);
+            known.map_or(table[0].1, |(_, bytes)| *bytes)
+        };
+        let element = of_precision(ELEMENT_BYTES);
+        let Laws {
+            numbers,
+            elements: remembering,
+            amounts,
+            flags,
+            ..
+        } = self.laws;
         let mut bytes = BASE_BYTES
             + NODE_BYTES * nodes
             + element * elements
+            + of_precision(REMEMBERED_BYTES) * numbers
+            + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * remembering
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
             + PAIR_BYTES * self.joints.pairs
             + RECORDED_BYTES * self.numbers(steps);
@@ -158,12 +211,21 @@ impl Account {
         // What does not change is in every file too: positions, numbers, connectivity, sets.
         let sets = self.mesh.element_sets().len() as f64;
         let fixed = 16.0 * nodes + elements * (20.0 + sets / 8.0);
+        if self.laws.variables > 0.0 {
+            bytes += fixed + (8.0 * self.laws.amounts + 4.0 * self.laws.flags) * elements;
+            bytes += PICTURE_BYTES * self.laws.amounts;
+        }
         if let Some(snapshots) = &self.plan.snapshots {
+            let state = if self.plan.state.snapshots {
+                4.0 * self.laws.variables
+            } else {
+                0.0
+            };
             let stress = if snapshots.fields.stress { 24.0 } else { 0.0 };
             let motion = 12.0 * vectors(snapshots.fields.motion);
             let facets = (FACET_BYTES + 4.0 * JOINT_FIELDS[0]) * self.joints.corners;
-            bytes +=
-                (fixed + motion * nodes + stress * elements + facets) * rows.at(snapshots.every);
+            bytes += (fixed + motion * nodes + (stress + state) * elements + facets)
+                * rows.at(snapshots.every);
         }
         if let Some(envelope) = &self.plan.envelope {
             let (stress, pictures) = if envelope.stress {
@@ -183,8 +245,9 @@ impl Account {
         let rows = self.rows(steps);
         let watched =
             OF_EVERY_JOINT * self.joints.joints + OF_A_JOINT * self.plan.joints.len() as f64;
-        let times = if watched > 0.0 { 1.0 } else { 0.0 };
-        numbers(&self.plan, &rows) + (watched + times) * rows.at(self.plan.every)
+        let state = self.laws.variables * self.plan.state.places.len() as f64;
+        let times = if watched + state > 0.0 { 1.0 } else { 0.0 };
+        numbers(&self.plan, &rows) + (watched + state + times) * rows.at(self.plan.every)
     }
 
     /// Nodes and elements.
@@ -238,3 +301,69 @@ const PLOT_BYTES: f64 = 16.0;
 /// Bytes of a picture, and of the summary with the scene.
 const PICTURE_BYTES: f64 = 4e5;
 const SUMMARY_BYTES: f64 = 4e4;
+
+#[cfg(test)]
+mod tests {
+    use powerhouse::boundary::ViscousSpring;
+    use powerhouse::engine::SolidKernel;
+    use powerhouse::material::{
+        DampingBand, ElastoPlastic, LinearElastic, MohrCoulomb, ReferenceFrequency,
+        RelaxationSpectrum, media, presets,
+    };
+    use powerhouse::model::Vec3;
+    use powerhouse::{Boundary, Damping, Material, Part};
+
+    use super::*;
+
+    /// The memory of a law is counted as it is held: two copies of every number at every point, relaxation
+    /// mechanisms among them, none in rims; a single number format halves it.
+    #[test]
+    fn costs_count_what_laws_remember() {
+        let memory = |part: Part, precision| {
+            let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(1.0), [4; 3], "rock");
+            let faces = ["left", "right", "front", "back", "bottom"];
+            let scene = Scene::new("cube", mesh.unwrap())
+                .part(part.kernel(SolidKernel::Hex8Full))
+                .boundary(Boundary::new(ViscousSpring::default(), faces))
+                .precision(precision);
+            Account::of(&scene).unwrap().memory(100) as f64
+        };
+        let medium = media::ROCK;
+        let elastic = || Part::new("rock", Material::in_series(LinearElastic::new(medium)));
+        let rock = ElastoPlastic::new(MohrCoulomb::new(presets::PAPER_ROCK).unwrap());
+        let yields = || Part::new("rock", Material::in_series(rock));
+        let band = DampingBand {
+            ratio: 0.02,
+            lowest: 1.0,
+            highest: 10.0,
+            mechanisms: 2,
+        };
+        let flat = Damping::Flat {
+            spectrum: RelaxationSpectrum::fit(band).unwrap(),
+            reference: ReferenceFrequency::Centre,
+        };
+        let points = 8.0 * 64.0;
+        // The greatest of one amount with its time, and one number of flags, in each element.
+        let shown = (32.0 + 16.0) * 64.0;
+        for (part, numbers, shown) in [
+            (yields(), 8.0 * points, shown),
+            (elastic().damping(flat.clone()), 12.0 * points, 0.0),
+            (yields().damping(flat.clone()), 20.0 * points, shown),
+            // Two of four layers along three axes touch the faces, one along the vertical.
+            (
+                yields().damping(flat).rim(0.0),
+                20.0 * 8.0 * 12.0,
+                48.0 * 12.0,
+            ),
+        ] {
+            for (precision, bytes) in [(Precision::F64, 8.0), (Precision::Mixed, 4.0)] {
+                let held = memory(part.clone(), precision) - memory(elastic(), precision);
+                let expected = 2.0 * bytes * numbers + shown;
+                assert!(
+                    (held - expected).abs() < 2.0,
+                    "{held} instead of {expected}"
+                );
+            }
+        }
+    }
+}

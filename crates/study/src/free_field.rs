@@ -3,13 +3,14 @@
 use std::time::Duration;
 
 use powerhouse::engine::observe::{HistoryTable, Motion};
-use powerhouse::engine::{Ended, Progress, Rayleigh};
+use powerhouse::engine::{Ended, Progress};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{
     ElasticMedium, ElementKind, FieldMotion, FieldSampler, Mesh, ModelError, Vec3,
 };
 use powerhouse::{
-    Error, Kernel, Material, OutputPlan, Part, ProgressHook, RunHooks, Scene, Simulation, TimeStep,
+    Damping, Error, Kernel, Material, OutputPlan, Part, ProgressHook, RunHooks, Scene, Simulation,
+    TimeStep,
 };
 
 use crate::StudyError;
@@ -28,8 +29,8 @@ pub struct FreeFieldReport {
     pub window: f64,
     /// Errors at the points that were compared.
     pub points: Vec<PointError>,
-    /// The same with the damping of the part behind the absorbing faces, if it has some; no limit
-    /// applies to them, since the free field has no damping.
+    /// The same with the damping of the part behind the absorbing faces and its rim, if it is damped;
+    /// no limit applies to them, since the free field has no damping.
     pub damped: Option<Vec<PointError>>,
 }
 
@@ -148,9 +149,9 @@ impl FreeFieldCheck {
             }
             composed
         };
-        let (part, damping) = ground(scene, field.medium())?;
+        let (part, damped) = ground(scene, field.medium())?;
         Ok(Self {
-            damped: damping.map(|damping| compose(part.clone().damping(damping))),
+            damped: damped.map(&compose),
             elastic: compose(part),
             cells,
             sampler,
@@ -301,19 +302,28 @@ fn cells(scene: &Scene) -> Result<[usize; 3], StudyError> {
 }
 
 /// The part behind the absorbing faces, elastic and undamped, with its kernel if that takes bricks;
-/// and its damping, if it has some.
-fn ground(scene: &Scene, medium: ElasticMedium) -> Result<(Part, Option<Rayleigh>), StudyError> {
-    let part = Part::new("ground", Material::new(LinearElastic::new(medium)));
-    let behind = scene.parts_behind_boundary()?;
-    let first = behind.first().map(|&index| &scene.parts()[index]);
-    let kernel = first.and_then(|part| part.kernel.clone());
-    let damping = behind.iter().map(|&index| scene.parts()[index].damping);
-    let damping = damping.into_iter().find(|d| *d != Rayleigh::default());
+/// and the same with its damping and rim, if it is damped.
+fn ground(scene: &Scene, medium: ElasticMedium) -> Result<(Part, Option<Part>), StudyError> {
+    let part = Part::new("ground", Material::in_series(LinearElastic::new(medium)));
+    let behind: Vec<&Part> = scene
+        .parts_behind_boundary()?
+        .iter()
+        .map(|&index| &scene.parts()[index])
+        .collect();
+    let kernel = behind.first().and_then(|part| part.kernel.clone());
     let part = match kernel.filter(|kernel: &Kernel| kernel.kind() == ElementKind::Hex8) {
         Some(kernel) => part.kernel(kernel),
         None => part,
     };
-    Ok((part, damping))
+    let damped = behind.iter().find(|part| part.damping != Damping::None);
+    let damped = damped.map(|of| {
+        let damped = part.clone().damping(of.damping.clone());
+        match of.rim {
+            Some(width) => damped.rim(width),
+            None => damped,
+        }
+    });
+    Ok((part, damped))
 }
 
 /// The time in which most of the motion at the first point is over (s); nothing if a point does

@@ -68,6 +68,19 @@ impl SolidKernel {
             Self::Wedge6 => ElementKind::Wedge6,
         }
     }
+    /// How many integration points an element has.
+    pub fn points(self) -> usize {
+        fn points<K: ElementKernel<N, P>, const N: usize, const P: usize>(_kernel: &K) -> usize {
+            P
+        }
+        match self {
+            Self::Hex8OnePoint(kernel) => points(&kernel),
+            Self::Hex8Full => points(&Hex8Full),
+            Self::Hex8BBar => points(&Hex8BBar),
+            Self::Tet4 => points(&Tet4),
+            Self::Wedge6 => points(&Wedge6),
+        }
+    }
     /// The kernel that suits a kind of element if none is named; none for kinds without volume.
     pub fn default_for(kind: ElementKind) -> Option<Self> {
         Self::ALL.into_iter().find(|kernel| kernel.kind() == kind)

@@ -18,6 +18,7 @@ mod material;
 mod output;
 mod parameters;
 mod quantity;
+mod reference;
 mod residual;
 mod time;
 
@@ -48,6 +49,7 @@ pub use quantity::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,
     SpeedRatio,
 };
+pub use reference::Reference;
 pub use residual::Residual;
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};
 

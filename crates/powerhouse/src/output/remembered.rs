@@ -1,10 +1,12 @@
 //! What the laws of a scene remember, and where.
 
+use std::collections::HashSet;
+
 use powerhouse_explicit_core::observe::StatePeaks;
 use powerhouse_model::{Cadence, HistoryVariable, Mesh, ModelError};
 
 use super::OutputPlan;
-use crate::{Error, Part};
+use crate::{Error, Scene};
 
 /// No run lasts so long (s): what is looked at in this interval is seen at its start and end.
 const EVER: f64 = f64::MAX;
@@ -20,18 +22,21 @@ pub(crate) struct Remembered {
 }
 
 impl Remembered {
-    /// The variables of parts.
-    pub(crate) fn of(mesh: &Mesh, parts: &[Part]) -> Result<Self, Error> {
+    /// The variables of the parts of a scene; rims remember nothing.
+    pub(crate) fn of(scene: &Scene, rims: &[HashSet<u32>]) -> Result<Self, Error> {
+        let mesh = &scene.mesh;
         let mut found = Self {
             variables: Vec::new(),
             of_parts: Vec::new(),
             part_of: vec![None; mesh.element_count()],
         };
-        for (index, part) in parts.iter().enumerate() {
+        for (index, (part, rim)) in scene.parts.iter().zip(rims).enumerate() {
             let of_part = part.material.history();
             found.of_parts.push(of_part.to_vec());
             for &element in mesh.element_set(&part.set)? {
-                found.part_of[element as usize] = Some(index);
+                if !rim.contains(&element) {
+                    found.part_of[element as usize] = Some(index);
+                }
             }
             for variable in of_part {
                 if found.variables.iter().all(|v| v.name != variable.name) {

@@ -1,5 +1,6 @@
 //! From what a scene file says to a scene: names become sets, materials, fields and loads.
 
+mod damping;
 mod ground;
 mod joints;
 mod loads;
@@ -9,11 +10,11 @@ mod record;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use powerhouse_explicit_core::{Leapfrog, OneSided, Precision, Rayleigh};
+use powerhouse_explicit_core::{Leapfrog, OneSided, Precision};
 use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
 
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{self, At, Damping, Finite, SceneFile};
+use crate::format::{self, At, Finite, SceneFile};
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep};
 use crate::{Error, Material, Part, Registry, Remark, Scene};
 
@@ -117,6 +118,11 @@ pub(crate) fn compose(
     let materials = file.parts.iter();
     let materials = materials.map(|part| (part.set.to_string(), part.material.span()));
     scene.places.materials = materials.collect();
+    let rims = file.parts.iter().filter_map(|part| {
+        let rim = part.rim.as_ref()?;
+        Some((part.set.to_string(), rim.span()))
+    });
+    scene.places.rims = rims.collect();
     let sections = file.output.sections.iter();
     let sections = sections.map(|section| (section.name.to_string(), section.at.span()));
     scene.places.cuts = sections.collect();
@@ -167,24 +173,16 @@ fn parts(
                 part = part.kernel(registry.kernel(kernel)?.clone());
             }
             if let Some(damping) = &table.damping {
-                let rayleigh = rayleigh(damping);
-                part = part.damping(rayleigh.map_err(|e| Fault::refused(damping.span(), e))?);
+                part = part.damping(damping::damping(damping)?);
+                let moving = part.moving_material();
+                moving.map_err(|error| Fault::refused(damping.span(), error))?;
+            }
+            if let Some(rim) = &table.rim {
+                part = part.rim(rim.get());
             }
             Ok(part)
         })
         .collect()
-}
-
-fn rayleigh(damping: &Damping) -> Result<Rayleigh, powerhouse_model::ParameterError> {
-    match damping {
-        Damping::Rayleigh { ratio, frequencies } => {
-            Rayleigh::from_ratio(ratio.get(), frequencies[0].get(), frequencies[1].get())
-        }
-        Damping::Coefficients { mass, stiffness } => Ok(Rayleigh {
-            mass: mass.get(),
-            stiffness: stiffness.get(),
-        }),
-    }
 }
 
 fn mesh(text: &SceneText, table: &format::MeshFile) -> Result<Mesh, Fault> {

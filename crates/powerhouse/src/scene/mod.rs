@@ -3,10 +3,13 @@
 mod file;
 mod joints;
 mod medium;
+mod memory;
 mod places;
 mod prepare;
+mod rim;
 mod surroundings;
 
+pub use memory::LawMemory;
 pub(crate) use places::{NOT_AT_REST, Places};
 pub(crate) use prepare::field_motion;
 pub(crate) use surroundings::box_corners;

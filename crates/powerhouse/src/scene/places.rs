@@ -33,6 +33,8 @@ pub(crate) struct Places {
     pub(crate) cuts: BTreeMap<String, Range<usize>>,
     /// Materials of parts, by their set.
     pub(crate) materials: BTreeMap<String, Range<usize>>,
+    /// Rims of parts, by their set.
+    pub(crate) rims: BTreeMap<String, Range<usize>>,
     /// Prescribed motions, with the user's numbers of their nodes.
     pub(crate) prescribed: Vec<(Range<usize>, Vec<u64>)>,
 }
@@ -68,6 +70,7 @@ impl Places {
             Error::NotAtRest { .. } => self.start.clone(),
             Error::ForeignMedium { .. } | Error::InnerFacet { .. } => self.faces.clone(),
             Error::UnusedField { .. } => self.field.clone(),
+            Error::IdleRim { set, .. } => return self.rims.get(set).cloned(),
             Error::Run(RunError::TooLittleDamping { .. }) => self.scheme.clone(),
             Error::Run(RunError::UnstableStep { .. }) => self.step.clone(),
             Error::Model(ModelError::Refused { source, .. }) => {

@@ -1,7 +1,9 @@
 //! From a scene to a model that can be stepped.
 
+use std::collections::HashSet;
+
 use powerhouse_explicit_core::observe::CutSource;
-use powerhouse_explicit_core::{BlockOptions, Model};
+use powerhouse_explicit_core::{BlockOptions, Model, Rayleigh};
 use powerhouse_model::{
     BoundarySite, ElementKind, IncidentField, Mat3, NodalImpedance, State, Vec3,
 };
@@ -9,7 +11,7 @@ use powerhouse_model::{
 use super::joints::constraints;
 use super::{InitialMotion, Places, ResidualLimit, Scene, TimeStep};
 use crate::output::{Recordings, Remembered};
-use crate::{Error, Part, Remark, Simulation};
+use crate::{Damping, DampingCost, Error, Material, Part, Remark, Simulation};
 
 impl Scene {
     /// Builds the model: checks everything, renumbers, packs elements, prepares the boundary.
@@ -40,10 +42,11 @@ impl Scene {
         self.mesh.check()?;
         let owner = self.part_of_elements()?;
         let scatterer = self.scatterer()?;
+        let rims = self.rims()?;
         let mut builder = Model::builder(&self.mesh);
         let mut blocks = Vec::new();
         let mut remarks = Vec::new();
-        for part in &self.parts {
+        for (part, rim) in self.parts.iter().zip(&rims) {
             let doubts = part.material.doubts().iter();
             remarks.extend(doubts.map(|doubt| Remark::Material {
                 set: part.set.clone(),
@@ -56,18 +59,30 @@ impl Scene {
                     kernel: kernel.name().into(),
                 });
             }
+            let moving = part.moving_material()?;
+            remarks.extend(facts(&self, part, &moving, rim)?);
             for (kind, elements) in kinds {
                 let kernel = part.kernel_for(kind).ok_or_else(|| Error::NoKernel {
                     element: self.mesh.element_tags()[elements[0] as usize],
                     set: part.set.clone(),
                     kind: kind.name(),
                 })?;
-                let mut options = BlockOptions::default();
-                options.precision = self.precision;
-                options.damping = part.damping;
-                let factory = || kernel.blocks(&part.set, &part.material, options);
-                builder = builder.elements(elements.clone(), factory());
-                blocks.push((elements, factory(), part.material.medium()));
+                let (at_rim, inner): (Vec<u32>, Vec<u32>) =
+                    elements.iter().partition(|element| rim.contains(element));
+                for (elements, material, damping) in [
+                    (inner, moving.clone(), part.damping.rayleigh()),
+                    (at_rim, part.rim_material(), Rayleigh::default()),
+                ] {
+                    if elements.is_empty() {
+                        continue;
+                    }
+                    let mut options = BlockOptions::default();
+                    options.precision = self.precision;
+                    options.damping = damping;
+                    let factory = || kernel.blocks(&part.set, &material, options);
+                    builder = builder.elements(elements.clone(), factory());
+                    blocks.push((elements, factory(), material.medium()));
+                }
             }
         }
         let sources: Vec<CutSource> = blocks
@@ -78,7 +93,7 @@ impl Scene {
                 medium: *medium,
             })
             .collect();
-        let remembered = Remembered::of(&self.mesh, &self.parts)?;
+        let remembered = Remembered::of(&self, &rims)?;
         let mut observed = Recordings::observe(&self.output, &self.mesh, &sources, &remembered)?;
         if let Some(boundary) = &self.boundary {
             let facets = self.absorbing_facets()?;
@@ -164,6 +179,36 @@ impl Scene {
             self.remarks,
         ))
     }
+}
+
+/// What damping in series costs a part, and where it is elastic.
+fn facts(
+    scene: &Scene,
+    part: &Part,
+    moving: &Material,
+    rim: &HashSet<u32>,
+) -> Result<Vec<Remark>, Error> {
+    let mut facts = Vec::new();
+    let set = || part.set.clone();
+    if let Damping::Flat {
+        spectrum,
+        reference,
+    } = &part.damping
+    {
+        facts.push(Remark::FlatDamping {
+            set: set(),
+            cost: DampingCost::of(&part.material, moving, (spectrum, *reference))?,
+        });
+    }
+    if let Some(width) = part.rim {
+        facts.push(Remark::Rim {
+            set: set(),
+            width,
+            elements: rim.len(),
+            of: scene.mesh.element_set(&part.set)?.len(),
+        });
+    }
+    Ok(facts)
 }
 
 /// The elements of a part, kind by kind.

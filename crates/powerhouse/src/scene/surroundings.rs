@@ -6,7 +6,7 @@ use powerhouse_boundary::foreign_nodes;
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 
 use super::{InitialMotion, Scene};
-use crate::{Error, Remark};
+use crate::{Damping, Error, Remark};
 
 /// Displacement and velocity of a field over their peaks when a body starts at rest. A wave alone is
 /// brought below half of it; several may add up.
@@ -101,7 +101,10 @@ impl Scene {
         if site.field.is_some() {
             for part in self.parts_behind_boundary()? {
                 let part = &self.parts[part];
-                if part.damping != Default::default() {
+                if part.rim.is_some() {
+                    continue;
+                }
+                if part.damping != Damping::None {
                     let set = part.set.clone();
                     remarks.push(Remark::DampedRim { set });
                 }

@@ -1,9 +1,10 @@
 //! Laws of rock and concrete: in a file as in Rust, and what is refused or doubted of them.
 
 use powerhouse::material::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, Mazars, MazarsParameters,
-    MazarsTension, MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters,
-    Softening, TwoSurface, TwoSurfaceParameters, presets,
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown, HoekBrownParameters,
+    LeeFenves, LeeFenvesParameters, Mazars, MazarsParameters, MazarsTension, MohrCoulomb,
+    MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, Softening, SofteningPlasticity,
+    SofteningPlasticityParameters, StrengthFall, TwoSurface, TwoSurfaceParameters, presets,
 };
 use powerhouse::{Error, Material, Remark};
 
@@ -42,6 +43,14 @@ fn laws_of_a_file_are_those_of_rust() {
         })
         .unwrap()
     };
+    let softening = |fall, residual_strength| {
+        let parameters = SofteningPlasticityParameters {
+            surface: surface(),
+            fall,
+            residual_strength,
+        };
+        SofteningPlasticity::new(parameters).unwrap()
+    };
     let rates = |rate| Softening::Rates {
         share: 0.9,
         rate,
@@ -53,16 +62,47 @@ fn laws_of_a_file_are_those_of_rust() {
         cohesion: 2.0e4,
         ..presets::PAPER_ROCK_LISTED
     });
-    let mazars = Mazars::new(MazarsParameters {
+    let mazars = |tension| {
+        let law = Mazars::new(MazarsParameters {
+            medium: ROCK,
+            threshold: 2e-6,
+            tension,
+            compression_share: 1.1,
+            compression_rate: 1e4,
+            residual_stiffness: 0.01,
+        });
+        Material::new(law.unwrap())
+    };
+    let mass = HoekBrown::new(HoekBrownParameters {
         medium: ROCK,
-        threshold: 2e-6,
-        tension: MazarsTension::Rates {
-            share: 1.0,
-            rate: 6e5,
-        },
-        compression_share: 1.1,
-        compression_rate: 1e4,
+        intact_strength: 3e5,
+        intact_constant: 12.0,
+        strength_index: 40.0,
+        disturbance: 0.2,
+        dilation_share: 0.5,
+    });
+    let crushed = LeeFenves::new(LeeFenvesParameters {
+        medium: ROCK,
+        tension_strength: 1e4,
+        compression_strength: 8e4,
+        compression_limit: 4e4,
+        biaxial_ratio: 1.12,
+        meridian_ratio: 0.7,
+        dilation: 30.0,
+        tension_energy: 1e5,
+        compression_energy: 1e6,
+        tension_damage: 0.8,
+        compression_damage: 0.4,
+        stiffness_recovery: 0.9,
         residual_stiffness: 0.01,
+    });
+    let usual = LeeFenves::new(LeeFenvesParameters {
+        medium: ROCK,
+        tension_strength: 1e4,
+        compression_strength: 8e4,
+        compression_limit: 8e4,
+        tension_energy: 1e5,
+        ..presets::PAPER_CONCRETE_LEE_FENVES
     });
     let damage = |tension, compression, recovery, residual| {
         let parameters = PlasticDamageParameters {
@@ -80,6 +120,16 @@ fn laws_of_a_file_are_those_of_rust() {
         (
             format!("law = \"mohr-coulomb\"\n{weak}"),
             Material::new(ElastoPlastic::new(surface())),
+        ),
+        (
+            format!("law = \"mohr-coulomb\"\n{weak}softening = {{ rate = 2e3, residual = 0.1 }}\n"),
+            Material::new(softening(StrengthFall::Rate(2e3), 0.1)),
+        ),
+        (
+            format!(
+                "law = \"mohr-coulomb\"\n{weak}softening = {{ fracture_energy = 2e3, residual = 0.3 }}\n"
+            ),
+            Material::new(softening(StrengthFall::FractureEnergy { energy: 2e3 }, 0.3)),
         ),
         (
             format!(
@@ -117,7 +167,34 @@ fn laws_of_a_file_are_those_of_rust() {
             format!(
                 "law = \"mazars\"\n{rock}threshold = 2e-6\ntension = {{ rate = 6e5 }}\ncompression = {{ share = 1.1, rate = 1e4 }}\nresidual_stiffness = 0.01\n"
             ),
-            Material::new(mazars.unwrap()),
+            mazars(MazarsTension::Rates {
+                share: 1.0,
+                rate: 6e5,
+            }),
+        ),
+        (
+            format!(
+                "law = \"mazars\"\n{rock}threshold = 2e-6\ntension = {{ fracture_energy = 100, falling = \"stress\" }}\ncompression = {{ share = 1.1, rate = 1e4 }}\nresidual_stiffness = 0.01\n"
+            ),
+            mazars(MazarsTension::FallingStress { energy: 100.0 }),
+        ),
+        (
+            format!(
+                "law = \"hoek-brown\"\n{rock}intact_strength = 3e5\nintact_constant = 12\nstrength_index = 40\ndisturbance = 0.2\ndilation_share = 0.5\n"
+            ),
+            Material::new(ElastoPlastic::new(mass.unwrap())),
+        ),
+        (
+            format!(
+                "law = \"lee-fenves\"\n{rock}tensile_strength = 1e4\ncompressive_strength = 8e4\ncompressive_limit = 4e4\nbiaxial_ratio = 1.12\nmeridian_ratio = 0.7\ndilation = 30\ntension = {{ fracture_energy = 1e5, damage = 0.8 }}\ncompression = {{ fracture_energy = 1e6, damage = 0.4 }}\nstiffness_recovery = 0.9\nresidual_stiffness = 0.01\n"
+            ),
+            Material::new(crushed.unwrap()),
+        ),
+        (
+            format!(
+                "law = \"lee-fenves\"\npreset = \"paper-c25\"\n{rock}tensile_strength = 1e4\ncompressive_strength = 8e4\ntension = {{ fracture_energy = 1e5 }}\n"
+            ),
+            Material::new(usual.unwrap()),
         ),
     ];
     let elastic = run(cube_scene());
@@ -137,6 +214,8 @@ fn presets_are_found_by_name() {
         ("law = \"plastic-damage\"\npreset = \"C30\"\n", 32.836568e9),
         ("law = \"mazars\"\npreset = \"paper-c25\"\n", 25.0e9),
         ("law = \"mohr-coulomb\"\npreset = \"C20\"\n", 29.961949e9),
+        ("law = \"lee-fenves\"\npreset = \"C30\"\n", 32.836568e9),
+        ("law = \"lee-fenves\"\npreset = \"paper-c25\"\n", 25.0e9),
         ("law = \"two-surface\"\npreset = \"paper-c25\"\n", 25.0e9),
     ] {
         // Without the wave, whose ground would be another one.
@@ -221,6 +300,66 @@ fn faults_have_their_place() {
             "law = \"mazars\"\npreset = \"paper-c25\"\ntension = { rate = 1e4 }\n",
             9,
             "B e0 = 0.508",
+        ),
+        (
+            "law = \"mazars\"\npreset = \"paper-c25\"\ntension = { falling = \"stress\", rate = 1e4 }\n",
+            9,
+            "either fracture_energy, or rate",
+        ),
+        (
+            "law = \"mohr-coulomb\"\nPRESET\nsoftening = { residual = 0.2 }\n",
+            9,
+            "either fracture_energy or rate must be given",
+        ),
+        (
+            "law = \"mohr-coulomb\"\nPRESET\nsoftening = { rate = 10, residual = 0.0005 }\n",
+            9,
+            "outside its permitted range [0.001, 1]",
+        ),
+        (
+            "law = \"mohr-coulomb\"\nPRESET\nsoftening = { rate = 10 }\n",
+            9,
+            "the key 'residual' is missing",
+        ),
+        (
+            "law = \"hoek-brown\"\nyoung = 1e9\npoisson = 0.2\ndensity = 2e3\n",
+            5,
+            "the key 'intact_strength' is missing",
+        ),
+        (
+            "law = \"hoek-brown\"\nyoung = 1e9\npoisson = 0.2\ndensity = 2e3\nintact_strength = 5e7\nintact_constant = 10\nstrength_index = 120\n",
+            13,
+            "strength_index = 120 is outside its permitted range [5, 100]",
+        ),
+        (
+            "law = \"lee-fenves\"\nPRESET\n",
+            8,
+            "the preset has no parameters of this law",
+        ),
+        (
+            "law = \"lee-fenves\"\nyoung = 1e9\npoisson = 0.2\ndensity = 2e3\ntensile_strength = 1e6\ncompressive_strength = 1e7\n",
+            5,
+            "the key 'tension.fracture_energy' is missing",
+        ),
+        (
+            "law = \"lee-fenves\"\npreset = \"C30\"\ncompressive_limit = 1e6\n",
+            9,
+            "outside its permitted range",
+        ),
+        (
+            "law = \"lee-fenves\"\npreset = \"C30\"\ncompressive_strength = 1e6\n",
+            9,
+            "outside its permitted range",
+        ),
+        (
+            "law = \"lee-fenves\"\npreset = \"C30\"\ndilation = 70\n",
+            9,
+            "dilation = 70 is outside its permitted range [1, ",
+        ),
+        (
+            "law = \"lee-fenves\"\npreset = \"C30\"\ntension = { damage = 2 }\n",
+            9,
+            "outside its permitted range [0, 1]",
         ),
     ];
     for (keys, line, message) in cases {
@@ -312,137 +451,4 @@ fn doubts_are_told() {
             .any(|t| t.contains("Poisson's ratio 0.495 is nearly 0.5"))
     );
     assert!(!told.iter().any(|t| t.contains("yields")), "{told:?}");
-}
-
-/// Rock that cracks and crushes early.
-fn cracking() -> Material {
-    let rates = |rate| Softening::Rates {
-        share: 1.0,
-        rate,
-        threshold: 0.0,
-    };
-    let law = PlasticDamage::new(PlasticDamageParameters {
-        surface: MohrCoulomb::new(weak()).unwrap(),
-        tension: rates(2e4),
-        compression: rates(5e3),
-        stiffness_recovery: 1.0,
-        residual_stiffness: 1e-2,
-    });
-    Material::new(law.unwrap())
-}
-
-/// With yielding and damage the energy balance closes to rounding, plastic and damage energy never
-/// fall, recovered energy comes back in a column of its own, and what the integration of a step
-/// leaves falls with the step.
-#[test]
-fn energies_of_plastic_flow_and_damage_are_told() {
-    let energies = |share: f64| {
-        let scene = cube_scene_made_of(cube(), &["rock"], &cracking());
-        let mut plan = scene.output_plan().clone();
-        plan.energies = Some(0.01);
-        let scene = scene
-            .output(plan)
-            .step(powerhouse::TimeStep::OfStable(share));
-        let results = run(scene.energy_residual(powerhouse::ResidualLimit::Share(1e-9)));
-        let residual = results.energy_residual().unwrap();
-        assert!(residual.largest < 1e-9, "{residual:?}");
-        assert!(residual.share_of_input.unwrap() < 1e-9, "{residual:?}");
-        let column = |name: &str| results.energies.column(name).unwrap().values.clone();
-        let rising = |values: &[f64], sign: f64| {
-            assert!(
-                values
-                    .windows(2)
-                    .all(|pair| sign * (pair[1] - pair[0]) >= 0.0)
-            );
-            sign * values.last().unwrap()
-        };
-        let plastic = rising(&column("plastic"), 1.0);
-        let damage = rising(&column("damage"), 1.0);
-        let recovered = rising(&column("recovery"), -1.0);
-        assert!(plastic > 0.0 && damage > 0.0 && recovered > 0.0);
-        column("integration").last().unwrap().abs() / (plastic + damage)
-    };
-    let (coarse, fine) = (energies(1.0), energies(0.25));
-    assert!(coarse < 0.1, "{coarse}");
-    // Of first order in the step: a quarter; a half proves that it falls.
-    assert!(fine < 0.5 * coarse, "{fine} after {coarse}");
-}
-
-/// What laws remember is recorded at places, in envelopes and snapshots by name, and the summary
-/// names the largest damage and where it is; in a file as in Rust.
-#[test]
-fn what_laws_remember_is_recorded() {
-    let variants = Variants::new("laws-state");
-    let keys = "law = \"plastic-damage\"\npreset = \"paper-rock\"\ncohesion = 2e4\ntensile_strength = 1e4\ntension = { rate = 2e4 }\ncompression = { rate = 5e3 }\nresidual_stiffness = 0.01\n";
-    let text = CUBE.replacen(ELASTIC, keys, 1)
-        + "quantities = [\"displacement\", \"velocity\", \"acceleration\", \"state\"]\n[output.envelope]\nquantities = [\"state\"]\nevery = 0.05\n[output.snapshots]\nquantities = [\"displacement\", \"state\"]\nevery = 0.2\n";
-    let path = variants.0.0.join("cube.toml");
-    let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default()).unwrap();
-    let out = powerhouse::ResultFolder::new(variants.0.0.join("out"));
-    let mesh = scene.mesh().clone();
-    let hooks = powerhouse::RunHooks {
-        snapshots: Some(out.snapshots(&mesh, &[]).unwrap()),
-        ..Default::default()
-    };
-    let results = scene.prepare().unwrap().run(hooks).unwrap();
-    let twin = cube_scene_made_of(cube(), &["rock"], &cracking());
-    let mut plan = twin.output_plan().clone();
-    plan = plan.state("surface", powerhouse::model::Vec3::new(150.0, 150.0, 0.0));
-    let twin = run(twin.output(plan));
-    assert_eq!(results.histories, twin.histories);
-    for name in ["damage", "plastic_strain_zx", "yield_state"] {
-        let column = results
-            .histories
-            .column(&format!("surface.{name}"))
-            .unwrap();
-        assert!(column.values.iter().any(|v| *v != 0.0), "{name}");
-    }
-    let last = |results: &powerhouse::Results, name: &str| {
-        let state = results.state.as_ref().unwrap();
-        let (_, field) = state.peaks.iter().find(|(v, _)| v.name == name).unwrap();
-        field.values.clone()
-    };
-    // What never falls is the same whether it is looked at often or at the end.
-    let torn = last(&results, "damage_tension");
-    assert_eq!(torn, last(&twin, "damage_tension"));
-    assert!(torn.iter().all(|d| (0.0..1.0).contains(d)) && torn.iter().any(|d| *d > 0.1));
-    out.write(("cube", &mesh), &results, &[], None).unwrap();
-    let summary = std::fs::read_to_string(out.path().join("summary.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-    let peaks = summary["peaks"].as_array().unwrap();
-    let peak = peaks
-        .iter()
-        .find(|peak| peak["name"] == "damage_tension")
-        .unwrap();
-    let most = torn.iter().copied().fold(0.0, f64::max);
-    // Numbers of JSON are read to a rounding.
-    assert!((peak["value"].as_f64().unwrap() - most).abs() < 1e-12);
-    let place = torn.iter().position(|d| *d == most).unwrap();
-    let element = mesh.element_tags()[results.state.as_ref().unwrap().elements[place] as usize];
-    assert_eq!(peak["place"], format!("element {element}"));
-    for (file, names) in [
-        ("state.vtu", ["damage_tension", "damage_type"]),
-        ("snapshots/snapshots_00001.vtu", ["damage", "yield_state"]),
-    ] {
-        let bytes = std::fs::read(out.path().join(file)).unwrap();
-        let head = String::from_utf8_lossy(&bytes);
-        for name in names {
-            assert!(head.contains(&format!("Name=\"{name}\"")), "{file}: {name}");
-        }
-    }
-    assert!(out.path().join("pictures/damage_tension.png").exists());
-}
-
-/// State belongs to elements: asked for at a node it is refused at its place.
-#[test]
-fn nodes_have_no_state() {
-    let variants = Variants::new("laws-nodes");
-    let old = "at = [150, 150, 0]";
-    let Err(Error::Scene(fault)) = variants.read(old, "node = 1\nquantities = [\"state\"]") else {
-        panic!("a node has a state");
-    };
-    assert!(
-        fault.to_string().contains("stress or state at a node"),
-        "{fault}"
-    );
 }

@@ -1,11 +1,14 @@
 //! Scenes from files and from Rust: what they accept, and what runs of them give.
 
+mod damping;
 mod joint_output;
 mod joint_starts;
 mod joints;
 mod keys_of_ground;
 mod keys_of_model;
 mod keys_of_output;
+mod law_points;
+mod law_results;
 mod laws;
 mod runs;
 mod support;

@@ -1,0 +1,244 @@
+//! Surfaces of friction: Mohr-Coulomb, Drucker-Prager, and one through listed strengths.
+
+use powerhouse_material_damage::{
+    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, Finding, MohrCoulomb,
+    MohrCoulombParameters, SofteningPlasticity, SofteningPlasticityParameters, StrengthFall,
+    TwoSurface, TwoSurfaceParameters,
+};
+use powerhouse_model::{ElasticMedium, ModelError};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::preset::Preset;
+use super::{KeysError, elastic_medium, missing, placed, refused};
+use crate::format::{NonNegative, PoissonRatio, Positive, Share};
+use crate::{Material, Registry};
+
+pub(super) fn register(registry: &mut Registry) {
+    registry.add_law("mohr-coulomb", |keys: MohrCoulombKeys| {
+        let (surface, doubts) = keys.frictional()?.mohr_coulomb()?;
+        let material = match keys.softening {
+            None => Material::in_series(ElastoPlastic::new(surface)),
+            Some(keys) => Material::in_series(keys.law(surface)?),
+        };
+        Ok(material.with_doubts(doubts))
+    });
+    registry.add_law("drucker-prager", |keys: DruckerPragerKeys| {
+        let (surface, doubts) = keys.frictional()?.drucker_prager(keys.fit)?;
+        Ok(Material::in_series(ElastoPlastic::new(surface)).with_doubts(doubts))
+    });
+    registry.add_law("two-surface", |keys: TwoSurfaceKeys| {
+        let (surface, doubts) = keys.frictional()?.two_surface()?;
+        Ok(Material::in_series(ElastoPlastic::new(surface)).with_doubts(doubts))
+    });
+}
+
+/// How strength falls with the plastic shortening: by `fracture_energy` or by `rate`.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct StrengthFallKeys {
+    /// Energy per area of a band (N/m) beyond what the residual strength takes, whatever the size of
+    /// the elements.
+    fracture_energy: Option<Positive>,
+    /// The rate b of the fall with the plastic shortening; the energy then depends on the mesh.
+    rate: Option<Positive>,
+    /// The share of strength that stays, 0.001 to 1.
+    residual: Share,
+}
+
+impl StrengthFallKeys {
+    /// The law of a surface whose strength falls so.
+    fn law(self, surface: MohrCoulomb) -> Result<SofteningPlasticity<MohrCoulomb>, ModelError> {
+        let fall = match (self.fracture_energy, self.rate) {
+            (Some(energy), None) => StrengthFall::FractureEnergy {
+                energy: energy.get(),
+            },
+            (None, Some(rate)) => StrengthFall::Rate(rate.get()),
+            _ => return Err(refused("softening", KeysError::Fall)),
+        };
+        let law = SofteningPlasticity::new(SofteningPlasticityParameters {
+            surface,
+            fall,
+            residual_strength: self.residual.get(),
+        });
+        law.map_err(placed)
+    }
+}
+
+/// To which stresses of Mohr and Coulomb a cone is fitted.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Fit {
+    /// Touches all faces from within.
+    Inscribed,
+    /// Through the edges of triaxial compression; too strong elsewhere.
+    Circumscribed,
+    /// Fails in plane strain where Mohr-Coulomb does.
+    PlaneStrain,
+}
+
+/// Elastic medium, friction and strengths.
+pub(super) struct Frictional {
+    pub(super) medium: ElasticMedium,
+    pub(super) friction: f64,
+    pub(super) dilation: f64,
+    pub(super) cohesion: f64,
+    pub(super) tension: Option<f64>,
+    pub(super) compression: Option<f64>,
+}
+
+impl Frictional {
+    pub(super) fn mohr_coulomb(&self) -> Result<(MohrCoulomb, Vec<Finding>), ModelError> {
+        let surface = MohrCoulomb::new(MohrCoulombParameters {
+            medium: self.medium,
+            friction: self.friction,
+            dilation: self.dilation,
+            cohesion: self.cohesion,
+            tension_strength: self.tension,
+        });
+        let surface = surface.map_err(placed)?;
+        let findings = surface.findings(self.compression);
+        Ok((surface, findings))
+    }
+    pub(super) fn drucker_prager(
+        &self,
+        fit: Option<Fit>,
+    ) -> Result<(DruckerPrager, Vec<Finding>), ModelError> {
+        let surface = DruckerPrager::new(DruckerPragerParameters {
+            medium: self.medium,
+            friction: self.friction,
+            dilation: self.dilation,
+            cohesion: self.cohesion,
+            fit: match fit {
+                Some(Fit::Circumscribed) => ConeFit::Circumscribed,
+                Some(Fit::PlaneStrain) => ConeFit::PlaneStrain,
+                Some(Fit::Inscribed) | None => ConeFit::Inscribed,
+            },
+        });
+        let surface = surface.map_err(placed)?;
+        let findings = surface.findings([self.tension, self.compression]);
+        Ok((surface, findings))
+    }
+    pub(super) fn two_surface(&self) -> Result<(TwoSurface, Vec<Finding>), ModelError> {
+        let surface = TwoSurface::new(TwoSurfaceParameters {
+            medium: self.medium,
+            friction: self.friction,
+            dilation: self.dilation,
+            cohesion: self.cohesion,
+            tension_strength: self.tension.ok_or(missing("tensile_strength"))?,
+            compression_strength: (self.compression).ok_or(missing("compressive_strength"))?,
+        });
+        let surface = surface.map_err(placed)?;
+        let findings = surface.findings();
+        Ok((surface, findings))
+    }
+}
+
+/// Declares the keys of a law with friction, and some of its own.
+macro_rules! frictional_keys {
+    (
+        $(#[$doc:meta])* $name:ident {
+            $($(#[$own_doc:meta])* $own:ident: $type:ty,)*
+        }
+    ) => {
+        $(#[$doc])*
+        #[derive(serde::Deserialize, schemars::JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        struct $name {
+            /// A published material; other keys replace its parameters one by one.
+            preset: Option<$crate::builtin_laws::preset::Preset>,
+            /// Young's modulus (Pa).
+            young: Option<$crate::format::Positive>,
+            /// Poisson's ratio.
+            poisson: Option<$crate::format::PoissonRatio>,
+            /// Mass density (kg/m3).
+            density: Option<$crate::format::Positive>,
+            /// Friction angle (degrees), at most 75.
+            friction: Option<$crate::format::NonNegative>,
+            /// Dilation angle (degrees), at most the friction angle; that of the preset, or 0.
+            dilation: Option<$crate::format::NonNegative>,
+            /// Cohesion (Pa).
+            cohesion: Option<$crate::format::NonNegative>,
+            /// Uniaxial tensile strength (Pa).
+            tensile_strength: Option<$crate::format::NonNegative>,
+            /// Uniaxial compressive strength (Pa); surfaces that do not depend on it are checked
+            /// against it.
+            compressive_strength: Option<$crate::format::Positive>,
+            $($(#[$own_doc])* $own: $type,)*
+        }
+
+        impl $name {
+            fn frictional(
+                &self,
+            ) -> Result<$crate::builtin_laws::frictional::Frictional, powerhouse_model::ModelError> {
+                $crate::builtin_laws::frictional::FrictionalKeys {
+                    preset: self.preset,
+                    elastic: (self.young, self.poisson, self.density),
+                    angles: [self.friction, self.dilation],
+                    cohesion: self.cohesion,
+                    tensile_strength: self.tensile_strength,
+                    compressive_strength: self.compressive_strength,
+                }
+                .fill()
+            }
+        }
+    };
+}
+pub(super) use frictional_keys;
+
+/// The keys that laws with friction share, as they were given.
+pub(super) struct FrictionalKeys {
+    pub(super) preset: Option<Preset>,
+    /// Young's modulus, Poisson's ratio, density.
+    pub(super) elastic: (Option<Positive>, Option<PoissonRatio>, Option<Positive>),
+    /// Of friction and dilation.
+    pub(super) angles: [Option<NonNegative>; 2],
+    pub(super) cohesion: Option<NonNegative>,
+    pub(super) tensile_strength: Option<NonNegative>,
+    pub(super) compressive_strength: Option<Positive>,
+}
+
+impl FrictionalKeys {
+    /// The same with what the preset gives.
+    pub(super) fn fill(self) -> Result<Frictional, ModelError> {
+        let preset = self.preset.map(Preset::surface).transpose()?;
+        let (surface, listed) = preset.unzip();
+        let medium = elastic_medium(self.elastic, surface.map(|surface| surface.medium))?;
+        let given = |own: Option<NonNegative>, of: fn(&MohrCoulombParameters) -> f64, key| {
+            let own = own.map(NonNegative::get);
+            own.or(surface.as_ref().map(of)).ok_or(missing(key))
+        };
+        let [friction, dilation] = self.angles;
+        let tension = self.tensile_strength.map(NonNegative::get);
+        Ok(Frictional {
+            medium,
+            friction: given(friction, |p| p.friction, "friction")?,
+            dilation: given(dilation, |p| p.dilation, "dilation").unwrap_or(0.0),
+            cohesion: given(self.cohesion, |p| p.cohesion, "cohesion")?,
+            tension: tension.or(surface.and_then(|surface| surface.tension_strength)),
+            compression: self.compressive_strength.map(Positive::get).or(listed),
+        })
+    }
+}
+
+frictional_keys! {
+    /// Mohr-Coulomb plasticity with tension cut-off and dilation.
+    MohrCoulombKeys {
+        /// How cohesion and cut-off fall as the material flows; they do not by default.
+        softening: Option<StrengthFallKeys>,
+    }
+}
+
+frictional_keys! {
+    /// Drucker-Prager plasticity.
+    DruckerPragerKeys {
+        /// The fit of the cone to Mohr-Coulomb; inscribed by default.
+        fit: Option<Fit>,
+    }
+}
+
+frictional_keys! {
+    /// Plasticity that honours listed uniaxial strengths, with the friction of Mohr-Coulomb under
+    /// confinement.
+    TwoSurfaceKeys {}
+}

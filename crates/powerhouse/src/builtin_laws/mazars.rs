@@ -1,0 +1,139 @@
+//! Damage in total strain after Mazars.
+
+use powerhouse_material_damage::{Finding, Mazars, MazarsParameters, MazarsTension, presets};
+use powerhouse_model::ModelError;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::preset::Preset;
+use super::{KeysError, RESIDUAL_STIFFNESS, elastic_medium, missing, placed, refused};
+use crate::format::{NonNegative, PoissonRatio, Positive, Share};
+use crate::{Material, Registry};
+
+pub(super) fn register(registry: &mut Registry) {
+    registry.add_law("mazars", MazarsKeys::build);
+}
+
+/// Damage in total strain after Mazars (1986).
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct MazarsKeys {
+    /// A published material, `paper-c25`; other keys replace its parameters one by one.
+    preset: Option<Preset>,
+    /// Young's modulus (Pa).
+    young: Option<Positive>,
+    /// Poisson's ratio.
+    poisson: Option<PoissonRatio>,
+    /// Mass density (kg/m3).
+    density: Option<Positive>,
+    /// Equivalent strain at first damage.
+    threshold: Option<Positive>,
+    /// Softening in tension.
+    tension: Option<MazarsTensionKeys>,
+    /// Softening in compression.
+    compression: Option<MazarsCompressionKeys>,
+    /// The share of stiffness that no damage takes away, 0.001 by default.
+    residual_stiffness: Option<Share>,
+}
+
+/// What falls exponentially after first damage.
+#[derive(Clone, Copy, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+enum Falling {
+    /// The term of damage, as Mazars has it; sizes of elements are permitted within a factor of
+    /// five.
+    #[default]
+    Damage,
+    /// The stress; all sizes that do not snap back are permitted.
+    Stress,
+}
+
+/// How damage grows in tension: either `fracture_energy` and perhaps `falling`, or `rate` and
+/// perhaps `share`.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct MazarsTensionKeys {
+    /// Energy per area of crack (N/m).
+    fracture_energy: Option<Positive>,
+    /// What falls exponentially, `damage` (the default) or `stress`.
+    falling: Option<Falling>,
+    /// B, at least the inverse of the threshold.
+    rate: Option<Positive>,
+    /// A, 1 by default.
+    share: Option<Share>,
+}
+
+/// How damage grows in compression.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct MazarsCompressionKeys {
+    /// B.
+    rate: Positive,
+    /// A, 0 to 2.
+    share: NonNegative,
+}
+
+impl MazarsKeys {
+    fn build(self) -> Result<Material, ModelError> {
+        let preset = match self.preset {
+            None => None,
+            Some(Preset::PaperC25) => Some(presets::PAPER_CONCRETE_MAZARS),
+            Some(_) => return Err(refused("preset", KeysError::Preset)),
+        };
+        let given = |own: Option<f64>, of: fn(&MazarsParameters) -> f64, key| {
+            own.or(preset.as_ref().map(of)).ok_or(missing(key))
+        };
+        let elastic = (self.young, self.poisson, self.density);
+        let medium = elastic_medium(elastic, preset.as_ref().map(|preset| preset.medium))?;
+        let tension = match self.tension {
+            Some(MazarsTensionKeys {
+                fracture_energy: Some(energy),
+                falling,
+                rate: None,
+                share: None,
+            }) => {
+                let energy = energy.get();
+                match falling.unwrap_or_default() {
+                    Falling::Damage => MazarsTension::FractureEnergy { energy },
+                    Falling::Stress => MazarsTension::FallingStress { energy },
+                }
+            }
+            Some(MazarsTensionKeys {
+                fracture_energy: None,
+                falling: None,
+                rate: Some(rate),
+                share,
+            }) => MazarsTension::Rates {
+                share: share.map_or(1.0, Share::get),
+                rate: rate.get(),
+            },
+            Some(_) => return Err(refused("tension", KeysError::Softening)),
+            None => preset.ok_or(missing("tension"))?.tension,
+        };
+        let crushed = |of: fn(&MazarsCompressionKeys) -> f64| self.compression.as_ref().map(of);
+        let law = Mazars::new(MazarsParameters {
+            medium,
+            threshold: given(
+                self.threshold.map(Positive::get),
+                |p| p.threshold,
+                "threshold",
+            )?,
+            tension,
+            compression_share: given(
+                crushed(|own| own.share.get()),
+                |p| p.compression_share,
+                "compression",
+            )?,
+            compression_rate: given(
+                crushed(|own| own.rate.get()),
+                |p| p.compression_rate,
+                "compression",
+            )?,
+            residual_stiffness: self
+                .residual_stiffness
+                .map_or(RESIDUAL_STIFFNESS, Share::get),
+        });
+        let doubts = Finding::of_medium(&medium);
+        Ok(Material::in_series(law.map_err(placed)?).with_doubts(doubts))
+    }
+}

@@ -1,0 +1,79 @@
+//! Published materials, by the names that scenes give them.
+
+use powerhouse_material_damage::{
+    LeeFenvesParameters, MohrCoulomb, MohrCoulombParameters, PlasticDamage, YieldSurface, presets,
+};
+use powerhouse_model::ModelError;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::{KeysError, placed, refused};
+
+/// Published materials.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+pub(super) enum Preset {
+    /// The rock of Wang, Chen & Xiao (2019), Table 1.
+    #[serde(rename = "paper-rock")]
+    PaperRock,
+    /// The concrete C25 of Wang, Chen & Xiao (2019), Table 1.
+    #[serde(rename = "paper-c25")]
+    PaperC25,
+    /// Concrete C20/25 of Eurocode 2.
+    C20,
+    /// Concrete C25/30 of Eurocode 2.
+    C25,
+    /// Concrete C30/37 of Eurocode 2.
+    C30,
+    /// Concrete C35/45 of Eurocode 2.
+    C35,
+    /// Concrete C40/50 of Eurocode 2.
+    C40,
+}
+
+impl Preset {
+    /// The characteristic strength (MPa) of a concrete of Eurocode 2.
+    fn strength(self) -> Option<f64> {
+        match self {
+            Self::PaperRock | Self::PaperC25 => None,
+            Self::C20 => Some(20.0),
+            Self::C25 => Some(25.0),
+            Self::C30 => Some(30.0),
+            Self::C35 => Some(35.0),
+            Self::C40 => Some(40.0),
+        }
+    }
+    /// The plastic-damage concrete, if the preset is one.
+    pub(super) fn concrete(self) -> Result<Option<PlasticDamage<MohrCoulomb>>, ModelError> {
+        let concrete = match (self, self.strength()) {
+            (Self::PaperC25, _) => Some(presets::paper_concrete()),
+            (_, Some(strength)) => Some(presets::eurocode_concrete(strength)),
+            _ => None,
+        };
+        concrete.transpose().map_err(placed)
+    }
+    /// Surface and listed compressive strength (Pa).
+    pub(super) fn surface(self) -> Result<(MohrCoulombParameters, f64), ModelError> {
+        Ok(match (self, self.concrete()?) {
+            (Self::PaperC25, _) => {
+                let listed = presets::PAPER_CONCRETE_LISTED.compression_strength;
+                (presets::PAPER_CONCRETE, listed)
+            }
+            (_, Some(concrete)) => {
+                let surface = concrete.parameters().surface;
+                (*surface.parameters(), surface.uniaxial_compression())
+            }
+            (_, None) => {
+                let listed = presets::PAPER_ROCK_LISTED.compression_strength;
+                (presets::PAPER_ROCK, listed)
+            }
+        })
+    }
+    /// The concrete of Lee and Fenves.
+    pub(super) fn lee_fenves(self) -> Result<LeeFenvesParameters, ModelError> {
+        match (self, self.strength()) {
+            (Self::PaperC25, _) => Ok(presets::PAPER_CONCRETE_LEE_FENVES),
+            (_, Some(strength)) => presets::eurocode_lee_fenves(strength).map_err(placed),
+            _ => Err(refused("preset", KeysError::Preset)),
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! What the laws of a scene remember, in numbers.
+
+use powerhouse_model::HistoryVariable;
+
+use super::Scene;
+use crate::Error;
+
+/// How much the laws of a scene remember.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LawMemory {
+    /// Numbers at all points together, once.
+    pub numbers: usize,
+    /// Elements whose law remembers something that is shown.
+    pub elements: usize,
+    /// What is shown of it, each name once: all but what damping needs for itself.
+    pub variables: Vec<HistoryVariable>,
+}
+
+impl Scene {
+    /// How much the laws remember, rims and relaxation mechanisms reckoned in.
+    ///
+    /// # Errors
+    /// A set that does not exist, a rim without an element, damping that has no place in its law.
+    pub fn law_memory(&self) -> Result<LawMemory, Error> {
+        let mut memory = LawMemory::default();
+        for (part, rim) in self.parts.iter().zip(self.rims()?) {
+            let shown = part.material.history();
+            let of_point = part.moving_material()?.history().len();
+            for element in self.mesh.element_set(&part.set)? {
+                if rim.contains(element) {
+                    continue;
+                }
+                let kernel = part.kernel_for(self.mesh.kind(*element));
+                memory.numbers += of_point * kernel.map_or(0, |kernel| kernel.points());
+                memory.elements += usize::from(!shown.is_empty());
+            }
+            for variable in shown {
+                if memory.variables.iter().all(|v| v.name != variable.name) {
+                    memory.variables.push(*variable);
+                }
+            }
+        }
+        Ok(memory)
+    }
+}

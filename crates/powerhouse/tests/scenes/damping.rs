@@ -1,0 +1,341 @@
+//! Damping that is flat over a band, and rims: each key of a file does what its twin in Rust does, and
+//! what both cost and do is told.
+
+use powerhouse::engine::{Rayleigh, SolidKernel};
+use powerhouse::material::{
+    DampingBand, ElastoPlastic, LinearElastic, MohrCoulomb, MohrCoulombParameters,
+    ReferenceFrequency, RelaxationSpectrum, presets,
+};
+use powerhouse::model::{ElasticMedium, HistoryVariable, LawInput, Mesh, PointLaw, Stress};
+use powerhouse::{Damping, Error, Material, Part, Registry, Remark, Scene};
+
+use crate::support::*;
+
+const KERNEL: &str = "kernel = \"hex8-full\"\n";
+/// A band that the cube's wave of 0.4 s lies in.
+const BAND: &str = "kind = \"flat\", ratio = 0.05, band = [0.5, 20]";
+
+fn flat(mechanisms: usize, reference: ReferenceFrequency) -> Damping {
+    let band = DampingBand {
+        ratio: 0.05,
+        lowest: 0.5,
+        highest: 20.0,
+        mechanisms,
+    };
+    Damping::Flat {
+        spectrum: RelaxationSpectrum::fit(band).unwrap(),
+        reference,
+    }
+}
+
+fn elastic() -> Material {
+    Material::in_series(LinearElastic::new(ROCK))
+}
+
+/// Rock that yields under the cube's wave.
+fn weak() -> Material {
+    let surface = MohrCoulomb::new(MohrCoulombParameters {
+        cohesion: 2.0e4,
+        tension_strength: Some(1.0e4),
+        ..presets::PAPER_ROCK
+    });
+    Material::in_series(ElastoPlastic::new(surface.unwrap()))
+}
+
+const WEAK: &str =
+    "law = \"mohr-coulomb\"\npreset = \"paper-rock\"\ncohesion = 2e4\ntensile_strength = 1e4\n";
+const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750\n";
+
+/// The cube's scene with its parts replaced, on a mesh.
+fn cube_with(mesh: Mesh, parts: Vec<Part>) -> Scene {
+    let base = cube_scene();
+    let scene = Scene::new("cube", mesh)
+        .shared_field(base.incident_field().unwrap().clone())
+        .boundary(base.absorbing_boundary().unwrap().clone())
+        .duration(0.6)
+        .output(base.output_plan().clone());
+    parts.into_iter().fold(scene, Scene::part)
+}
+
+fn damped(material: Material, damping: Damping) -> Scene {
+    let part = Part::new("rock", material).kernel(SolidKernel::Hex8Full);
+    cube_with(cube(), vec![part.damping(damping)])
+}
+
+/// The largest displacement along x at the surface (m).
+fn peak(results: &powerhouse::Results) -> f64 {
+    let column = results.histories.column("surface.ux").unwrap();
+    column.values.iter().fold(0.0, |most, u| most.max(u.abs()))
+}
+
+/// Flat damping of a file is that of Rust to the last bit, with a law that yields too, and damps.
+#[test]
+fn flat_damping_of_a_file_is_that_of_rust() {
+    let variants = Variants::new("damping-flat");
+    let undamped = run(cube_scene());
+    for (keys, mechanisms, reference) in [
+        ("", 3, ReferenceFrequency::Centre),
+        (
+            ", mechanisms = 2, reference = 2.5",
+            2,
+            ReferenceFrequency::At(2.5),
+        ),
+        (", reference = \"static\"", 3, ReferenceFrequency::Static),
+        (", reference = \"centre\"", 3, ReferenceFrequency::Centre),
+    ] {
+        let keys = format!("{KERNEL}damping = {{ {BAND}{keys} }}\n");
+        let twin = || damped(elastic(), flat(mechanisms, reference));
+        variants.equal((KERNEL, &keys), twin());
+        let (with, without) = (peak(&run(twin())), peak(&undamped));
+        assert!(with < 0.98 * without, "{keys}: {with} of {without}");
+    }
+    let text = CUBE.replace(ELASTIC, WEAK);
+    let text = text.replace(KERNEL, &format!("{KERNEL}damping = {{ {BAND} }}\n"));
+    let twin = || damped(weak(), flat(3, ReferenceFrequency::Centre));
+    variants.equal((CUBE, &text), twin());
+    assert_ne!(
+        run(twin()).histories,
+        run(damped(weak(), Damping::None)).histories
+    );
+}
+
+/// What flat damping costs is told before a run, and the stable step is what was told.
+#[test]
+fn the_cost_of_flat_damping_is_told() {
+    let step = |damping| {
+        let mut simulation = damped(elastic(), damping).prepare().unwrap();
+        let step = simulation.stable_step().unwrap().step;
+        let cost = simulation.remarks().iter().find_map(|remark| match remark {
+            Remark::FlatDamping { set, cost } if set == "rock" => Some((*cost, remark.to_string())),
+            _ => None,
+        });
+        (step, cost)
+    };
+    let (undamped, none) = step(Damping::None);
+    assert!(none.is_none());
+    let (shortened, cost) = step(flat(3, ReferenceFrequency::Centre));
+    let (cost, told) = cost.unwrap();
+    // Both steps are found to 1 %.
+    assert!(
+        (shortened / undamped - cost.step).abs() < 0.02,
+        "{} {told}",
+        shortened / undamped
+    );
+    assert!((cost.step - 0.905).abs() < 0.01, "{}", cost.step);
+    assert_eq!(cost.variables, 18);
+    assert!(cost.deviation < 0.013 && cost.speeds[0] < 0.96 && cost.speeds[1] > 1.05);
+    for passage in [
+        "part 'rock'",
+        "5.000 % of critical from 0.5 to 20 Hz",
+        "18 numbers more",
+    ] {
+        assert!(told.contains(passage), "{passage}: {told}");
+    }
+    let (_, at_rest) = step(flat(3, ReferenceFrequency::Static));
+    let at_rest = at_rest.unwrap().0;
+    assert!(
+        at_rest.step < cost.step && at_rest.speeds[0] > 1.0,
+        "{at_rest:?}"
+    );
+}
+
+/// A law without tension, for one point: nobody knows its elastic part.
+struct NoTension;
+
+impl PointLaw for NoTension {
+    fn name(&self) -> &str {
+        "no-tension"
+    }
+    fn medium(&self) -> ElasticMedium {
+        ROCK
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &[]
+    }
+    fn stress_change(&self, input: &LawInput<f64>, _new: &mut [f64]) -> Stress {
+        let stress = Stress::elastic(ROCK.lambda(), ROCK.shear(), &input.strain);
+        if stress.mean() > 0.0 {
+            Stress([0.0; 6])
+        } else {
+            stress
+        }
+    }
+}
+
+#[derive(serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct NoKeys {}
+
+/// What is wrong with damping or a rim is shown at the value at fault.
+#[test]
+fn faults_have_their_place() {
+    let folder = Variants::new("damping-faults").0;
+    powerhouse::io::write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+    let mut registry = Registry::default();
+    registry.add_law("no-tension", |_: NoKeys| {
+        Ok(Material::from_point_law(NoTension))
+    });
+    let read = |law: &str, keys: &str| {
+        let text = CUBE
+            .replace(ELASTIC, law)
+            .replace(KERNEL, &format!("{KERNEL}{keys}\n"));
+        Scene::from_toml(text, folder.0.join("cube.toml"), &registry)
+    };
+    for (keys, message) in [
+        (
+            "damping = { kind = \"flat\", ratio = §0.3, band = [0.5, 20] }",
+            "ratio = 0.3 is outside",
+        ),
+        (
+            "damping = { kind = \"flat\", ratio = §0, band = [0.5, 20] }",
+            "expected a number above 0",
+        ),
+        (
+            "damping = { kind = \"flat\", ratio = 0.05, band = §[20, 0.5] }",
+            "highest = 0.5 is outside",
+        ),
+        (
+            "damping = { kind = \"flat\", ratio = 0.05, band = [1, 10], mechanisms = §5 }",
+            "mechanisms = 5 is outside",
+        ),
+        (
+            "damping = { kind = \"flat\", ratio = 0.05, band = [1, 10], reference = §\"top\" }",
+            "expected \"centre\", \"static\" or a number above 0",
+        ),
+        (
+            "damping = { kind = \"flat\", ratio = 0.05, band = [1, 10], reference = §2e7 }",
+            "reference = 20000000 is outside",
+        ),
+        (
+            "damping = §{ kind = \"flat\", ratio = 0.05 }",
+            "the key 'band' is missing",
+        ),
+        (
+            "damping = { kind = \"flat\", ratio = 0.05, band = [1, 10], §frequencies = [1, 2] }",
+            "unknown key 'frequencies'",
+        ),
+        ("rim = §-1", "expected a number of 0 or above"),
+    ] {
+        let column = keys.chars().position(|c| c == '§').unwrap() + 1;
+        let Err(Error::Scene(fault)) = read(ELASTIC, &keys.replace('§', "")) else {
+            panic!("{keys}");
+        };
+        let told = fault.to_string();
+        assert!(told.contains(message), "{keys}: {told}");
+        assert_eq!(fault.position(), (15, column), "{keys}: {told}");
+    }
+    let own = format!("damping = {{ {BAND} }}");
+    let Err(Error::Scene(fault)) = read("law = \"no-tension\"\n", &own) else {
+        panic!("a law of which nobody knows the elastic part is damped in series");
+    };
+    assert_eq!(fault.position(), (12, 11), "{fault}");
+    assert!(
+        fault
+            .to_string()
+            .contains("damping cannot stand in series with the law 'no-tension'")
+    );
+}
+
+/// The cube with its inner and outer elements in two sets, the outer ones within a distance of the
+/// absorbing faces.
+fn cut(width: f64) -> Mesh {
+    let mut mesh = cube();
+    let (low, high) = mesh.bounding_box();
+    let is_outer = |element: &u32| {
+        let centre = mesh.centroid(*element);
+        let half = 25.0;
+        let sides = (0..3).any(|axis| centre[axis] - half < low[axis] + width - 1e-3);
+        let upper = (0..2).any(|axis| centre[axis] + half > high[axis] - width + 1e-3);
+        sides || upper
+    };
+    let elements = 0..mesh.element_count() as u32;
+    let (outer, inner): (Vec<u32>, Vec<u32>) = elements.partition(is_outer);
+    mesh.set_element_set("inner", inner).unwrap();
+    mesh.set_element_set("outer", outer).unwrap();
+    mesh
+}
+
+/// A part with a rim is a damped, yielding one within and an elastic, undamped one along the absorbing
+/// faces; the rim is told, and nothing warns of waves that are reflected there.
+#[test]
+fn a_rim_is_elastic_and_undamped() {
+    let variants = Variants::new("damping-rim");
+    let rayleigh = Rayleigh {
+        mass: 0.5,
+        stiffness: 0.0,
+    };
+    let of = |set: &str, material| Part::new(set, material).kernel(SolidKernel::Hex8Full);
+    for (width, elements) in [(0.0, 136), (50.0, 136), (60.0, 200)] {
+        let keys = format!(
+            "{KERNEL}damping = {{ kind = \"coefficients\", mass = 0.5, stiffness = 0 }}\nrim = {width}\n"
+        );
+        let text = CUBE.replace(ELASTIC, WEAK).replace(KERNEL, &keys);
+        let rimmed = of("rock", weak()).damping(rayleigh).rim(width);
+        variants.equal((CUBE, &text), cube_with(cube(), vec![rimmed.clone()]));
+        let two = vec![
+            of("inner", weak()).damping(rayleigh),
+            of("outer", elastic()),
+        ];
+        let twin = run(cube_with(cut(width.max(50.0)), two));
+        let simulation = cube_with(cube(), vec![rimmed]).prepare().unwrap();
+        let told: Vec<String> = simulation.remarks().iter().map(Remark::to_string).collect();
+        let rim = format!("rim of part 'rock': {elements} of its 216 elements");
+        assert!(
+            told.iter().any(|told| told.starts_with(&rim)),
+            "{rim}: {told:?}"
+        );
+        assert!(
+            !told
+                .iter()
+                .any(|told| told.contains("free field is elastic")),
+            "{told:?}"
+        );
+        let found = simulation.run(Default::default()).unwrap();
+        assert_eq!(found.histories, twin.histories, "{width}");
+        // Rims remember nothing.
+        let state = found.state.unwrap();
+        assert_eq!(state.elements.len(), 216 - elements);
+    }
+    // Without a rim both are warned of.
+    let bare = cube_with(cube(), vec![of("rock", weak()).damping(rayleigh)]);
+    let simulation = bare.prepare().unwrap();
+    let warned = simulation.remarks().iter().filter(|remark| {
+        matches!(
+            remark,
+            Remark::DampedRim { .. } | Remark::NonlinearRim { .. }
+        )
+    });
+    assert_eq!(warned.count(), 2);
+}
+
+/// A rim of a part that comes nowhere near an absorbing face is refused, in a file at its value.
+#[test]
+fn a_rim_without_elements_is_refused() {
+    let mesh = cut(100.0);
+    let folder = Folder::new("rim-idle");
+    powerhouse::io::write_gmsh(folder.0.join("cube.msh"), &mesh).unwrap();
+    let part = "set = \"outer\"\nmaterial = \"granite\"\n";
+    let text = CUBE.replace(
+        "set = \"rock\"\nmaterial = \"granite\"\n",
+        &format!("{part}[[part]]\nset = \"inner\"\nmaterial = \"granite\"\nrim = 20\n"),
+    );
+    let scene = Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default()).unwrap();
+    let Err(Error::Scene(fault)) = scene.prepare() else {
+        panic!("an idle rim is accepted");
+    };
+    assert_eq!(fault.position(), (17, 7), "{fault}");
+    let parts = [("inner", Some(20.0)), ("outer", None)].map(|(set, rim)| {
+        let part = Part::new(set, elastic());
+        match rim {
+            Some(width) => part.rim(width),
+            None => part,
+        }
+    });
+    let Err(error) = cube_with(mesh, parts.to_vec()).prepare() else {
+        panic!("an idle rim is accepted");
+    };
+    assert!(matches!(error, Error::IdleRim { set, width: 20.0 } if set == "inner"));
+    // A scene without absorbing faces has no rim either.
+    let free = Scene::new("free", cube()).part(Part::new("rock", elastic()).rim(10.0));
+    assert!(matches!(free.prepare(), Err(Error::IdleRim { .. })));
+}

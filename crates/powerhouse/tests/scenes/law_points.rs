@@ -1,0 +1,83 @@
+//! Materials of files without a run: what is doubted of them, and one point of each.
+
+use powerhouse::{Material, Registry};
+
+use crate::support::*;
+
+const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750\n";
+
+/// Laws whose strengths follow from other numbers are compared with those that are listed; hardening
+/// before the peak is told.
+#[test]
+fn implied_strengths_are_told() {
+    let variants = Variants::new("laws-implied");
+    let mass = "law = \"hoek-brown\"\nyoung = 9e9\npoisson = 0.27\ndensity = 2750\nintact_strength = 6e7\nintact_constant = 12\nstrength_index = 55\n";
+    let told = |keys: &str| -> Vec<String> {
+        let scene = variants.read(ELASTIC, keys).unwrap();
+        let doubts = scene.parts()[0].material.doubts();
+        doubts.to_vec()
+    };
+    assert_eq!(told(mass), Vec::<String>::new());
+    // s^a = exp(-5 a) with a = 0.504 of 60 MPa.
+    let listed = format!("{mass}compressive_strength = 6e7\ntensile_strength = 1e7\n");
+    let [tension, compression] = &told(&listed)[..] else {
+        panic!("{:?}", told(&listed));
+    };
+    assert!(
+        tension.starts_with("uniaxial tension yields at 1.6"),
+        "{tension}"
+    );
+    assert!(
+        compression.contains("strength of 4.826") && compression.contains("6.0000e7"),
+        "{compression}"
+    );
+    let concrete = "law = \"lee-fenves\"\npreset = \"C30\"\n";
+    assert_eq!(told(concrete), Vec::<String>::new());
+    let hardening = told(&format!(
+        "{concrete}compressive_limit = 1.5e7\npoisson = 0.495\n"
+    ));
+    assert!(
+        hardening[0].contains("hardens up to 3.8000e7 Pa"),
+        "{hardening:?}"
+    );
+    assert!(hardening[1].contains("nearly 0.5"), "{hardening:?}");
+}
+
+/// Every law of the registry can be led along a path, from a material file alone: it bears stress, and
+/// all but the elastic one remember something then.
+#[test]
+fn every_law_is_driven() {
+    let folder = Folder::new("laws-driven");
+    let rock = "young = 9e9\npoisson = 0.27\ndensity = 2750\n";
+    let keys_of = |law: &str| match law {
+        "elastic" => rock.to_owned(),
+        "hoek-brown" => {
+            format!("{rock}intact_strength = 6e7\nintact_constant = 12\nstrength_index = 55\n")
+        }
+        _ => "preset = \"paper-c25\"\n".to_owned(),
+    };
+    let path = folder.0.join("path.toml");
+    std::fs::write(
+        &path,
+        "size = 0.2\n[[leg]]\nkind = \"cyclic\"\nstrains = [-2e-3, 5e-4]\nsteps = 50\n",
+    )
+    .unwrap();
+    let registry = Registry::default();
+    for law in registry.law_names() {
+        let file = folder.0.join("law.toml");
+        let keys = keys_of(law);
+        let text = format!("[[material]]\nname = \"m\"\nlaw = \"{law}\"\n{keys}");
+        std::fs::write(&file, text).unwrap();
+        let material = Material::from_file(&file, None, &registry).unwrap();
+        let driven = powerhouse::PointPath::from_file(&path).unwrap();
+        let driven = driven
+            .drive(&material)
+            .unwrap_or_else(|e| panic!("{law}: {e}"));
+        let (component, [least, greatest]) = driven.extremes();
+        assert_eq!(component, "zz", "{law}");
+        assert!(least < -1e6 && greatest > 1e4, "{law}: {least} {greatest}");
+        let last = driven.records.last().unwrap();
+        let remembers = last.history.iter().any(|value| *value != 0.0);
+        assert_eq!(remembers, law != "elastic", "{law}");
+    }
+}

@@ -1,0 +1,152 @@
+//! What laws remember and what their flow and damage cost, in results.
+
+use powerhouse::material::{
+    MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, Softening, presets,
+};
+use powerhouse::{Error, Material};
+
+use crate::support::*;
+
+const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750\n";
+
+/// The paper's rock, weak enough to yield under the cube's wave.
+fn weak() -> MohrCoulombParameters {
+    MohrCoulombParameters {
+        cohesion: 2.0e4,
+        tension_strength: Some(1.0e4),
+        ..presets::PAPER_ROCK
+    }
+}
+
+/// Rock that cracks and crushes early.
+fn cracking() -> Material {
+    let rates = |rate| Softening::Rates {
+        share: 1.0,
+        rate,
+        threshold: 0.0,
+    };
+    let law = PlasticDamage::new(PlasticDamageParameters {
+        surface: MohrCoulomb::new(weak()).unwrap(),
+        tension: rates(2e4),
+        compression: rates(5e3),
+        stiffness_recovery: 1.0,
+        residual_stiffness: 1e-2,
+    });
+    Material::new(law.unwrap())
+}
+
+/// With yielding and damage the energy balance closes to rounding, plastic and damage energy never
+/// fall, recovered energy comes back in a column of its own, and what the integration of a step
+/// leaves falls with the step.
+#[test]
+fn energies_of_plastic_flow_and_damage_are_told() {
+    let energies = |share: f64| {
+        let scene = cube_scene_made_of(cube(), &["rock"], &cracking());
+        let mut plan = scene.output_plan().clone();
+        plan.energies = Some(0.01);
+        let scene = scene
+            .output(plan)
+            .step(powerhouse::TimeStep::OfStable(share));
+        let results = run(scene.energy_residual(powerhouse::ResidualLimit::Share(1e-9)));
+        let residual = results.energy_residual().unwrap();
+        assert!(residual.largest < 1e-9, "{residual:?}");
+        assert!(residual.share_of_input.unwrap() < 1e-9, "{residual:?}");
+        let column = |name: &str| results.energies.column(name).unwrap().values.clone();
+        let rising = |values: &[f64], sign: f64| {
+            assert!(
+                values
+                    .windows(2)
+                    .all(|pair| sign * (pair[1] - pair[0]) >= 0.0)
+            );
+            sign * values.last().unwrap()
+        };
+        let plastic = rising(&column("plastic"), 1.0);
+        let damage = rising(&column("damage"), 1.0);
+        let recovered = rising(&column("recovery"), -1.0);
+        assert!(plastic > 0.0 && damage > 0.0 && recovered > 0.0);
+        column("integration").last().unwrap().abs() / (plastic + damage)
+    };
+    let (coarse, fine) = (energies(1.0), energies(0.25));
+    assert!(coarse < 0.1, "{coarse}");
+    // Of first order in the step: a quarter; a half proves that it falls.
+    assert!(fine < 0.5 * coarse, "{fine} after {coarse}");
+}
+
+/// What laws remember is recorded at places, in envelopes and snapshots by name, and the summary
+/// names the largest damage and where it is; in a file as in Rust.
+#[test]
+fn what_laws_remember_is_recorded() {
+    let variants = Variants::new("laws-state");
+    let keys = "law = \"plastic-damage\"\npreset = \"paper-rock\"\ncohesion = 2e4\ntensile_strength = 1e4\ntension = { rate = 2e4 }\ncompression = { rate = 5e3 }\nresidual_stiffness = 0.01\n";
+    let text = CUBE.replacen(ELASTIC, keys, 1)
+        + "quantities = [\"displacement\", \"velocity\", \"acceleration\", \"state\"]\n[output.envelope]\nquantities = [\"state\"]\nevery = 0.05\n[output.snapshots]\nquantities = [\"displacement\", \"state\"]\nevery = 0.2\n";
+    let path = variants.0.0.join("cube.toml");
+    let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default()).unwrap();
+    let out = powerhouse::ResultFolder::new(variants.0.0.join("out"));
+    let mesh = scene.mesh().clone();
+    let hooks = powerhouse::RunHooks {
+        snapshots: Some(out.snapshots(&mesh, &[]).unwrap()),
+        ..Default::default()
+    };
+    let results = scene.prepare().unwrap().run(hooks).unwrap();
+    let twin = cube_scene_made_of(cube(), &["rock"], &cracking());
+    let mut plan = twin.output_plan().clone();
+    plan = plan.state("surface", powerhouse::model::Vec3::new(150.0, 150.0, 0.0));
+    let twin = run(twin.output(plan));
+    assert_eq!(results.histories, twin.histories);
+    for name in ["damage", "plastic_strain_zx", "yield_state"] {
+        let column = results
+            .histories
+            .column(&format!("surface.{name}"))
+            .unwrap();
+        assert!(column.values.iter().any(|v| *v != 0.0), "{name}");
+    }
+    let last = |results: &powerhouse::Results, name: &str| {
+        let state = results.state.as_ref().unwrap();
+        let (_, field) = state.peaks.iter().find(|(v, _)| v.name == name).unwrap();
+        field.values.clone()
+    };
+    // What never falls is the same whether it is looked at often or at the end.
+    let torn = last(&results, "damage_tension");
+    assert_eq!(torn, last(&twin, "damage_tension"));
+    assert!(torn.iter().all(|d| (0.0..1.0).contains(d)) && torn.iter().any(|d| *d > 0.1));
+    out.write(("cube", &mesh), &results, &[], None).unwrap();
+    let summary = std::fs::read_to_string(out.path().join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let peaks = summary["peaks"].as_array().unwrap();
+    let peak = peaks
+        .iter()
+        .find(|peak| peak["name"] == "damage_tension")
+        .unwrap();
+    let most = torn.iter().copied().fold(0.0, f64::max);
+    // Numbers of JSON are read to a rounding.
+    assert!((peak["value"].as_f64().unwrap() - most).abs() < 1e-12);
+    let place = torn.iter().position(|d| *d == most).unwrap();
+    let element = mesh.element_tags()[results.state.as_ref().unwrap().elements[place] as usize];
+    assert_eq!(peak["place"], format!("element {element}"));
+    for (file, names) in [
+        ("state.vtu", ["damage_tension", "damage_type"]),
+        ("snapshots/snapshots_00001.vtu", ["damage", "yield_state"]),
+    ] {
+        let bytes = std::fs::read(out.path().join(file)).unwrap();
+        let head = String::from_utf8_lossy(&bytes);
+        for name in names {
+            assert!(head.contains(&format!("Name=\"{name}\"")), "{file}: {name}");
+        }
+    }
+    assert!(out.path().join("pictures/damage_tension.png").exists());
+}
+
+/// State belongs to elements: asked for at a node it is refused at its place.
+#[test]
+fn nodes_have_no_state() {
+    let variants = Variants::new("laws-nodes");
+    let old = "at = [150, 150, 0]";
+    let Err(Error::Scene(fault)) = variants.read(old, "node = 1\nquantities = [\"state\"]") else {
+        panic!("a node has a state");
+    };
+    assert!(
+        fault.to_string().contains("stress or state at a node"),
+        "{fault}"
+    );
+}
