@@ -230,12 +230,12 @@ fn rock_yields_around_a_hole() {
         let mesh = ring(60.0, [120, 24]);
         let face = |name: &str| mesh.facet_set(name).unwrap();
         let nodes = |name: &str| mesh.nodes_of_facets(face(name));
-        // The stress that the hole takes away from the rock around it.
-        let released = FacePressure::new(
+        // The rock far away still bears; the wall of the hole is free.
+        let far = FacePressure::new(
             &mesh,
-            face("left"),
+            face("right"),
             Profile::Uniform,
-            Box::new(move |_: f64| -depth),
+            Box::new(move |_: f64| depth),
         );
         let mut model = Model::builder(&mesh)
             .elements(
@@ -251,7 +251,7 @@ fn rock_yields_around_a_hole() {
             .support(Support::roller(nodes("back"), Vec3::x()))
             .support(Support::roller(nodes("bottom"), Vec3::z()))
             .support(Support::roller(nodes("top"), Vec3::z()))
-            .load(Box::new(released.unwrap()))
+            .load(Box::new(far.unwrap()))
             .build()
             .unwrap();
         let mut state = model.state();

@@ -73,6 +73,18 @@ impl Constraint for TiedPairs {
     fn nodes(&self) -> &[u32] {
         &self.nodes
     }
+    fn ties(&self) -> Vec<[u32; 2]> {
+        let mut ties = Vec::new();
+        let mut start = 0;
+        for &end in &self.ends {
+            let group = &self.members[start..end as usize];
+            let nodes = group.iter().map(|&member| self.nodes[member as usize]);
+            let others = nodes.clone().skip(1);
+            ties.extend(nodes.zip(others).map(|(a, b)| [a, b]));
+            start = end as usize;
+        }
+        ties
+    }
     fn correct(&mut self, mut motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
         let mut impact = 0.0;
         let mut start = 0;

@@ -47,6 +47,10 @@ impl Places {
 #[derive(Default)]
 pub(crate) struct AppliedLoads {
     loads: Vec<Box<dyn NodalLoad>>,
+    /// How many of them are the model's own; boundaries bring the others.
+    own: usize,
+    /// Forces (N) that act beside the loads, one per engine node; empty if there are none.
+    standing: Vec<Vec3>,
     pub(crate) sums: LoadSums,
 }
 
@@ -57,38 +61,80 @@ pub(crate) struct LoadSums {
     nodes: Vec<u32>,
     /// Forces (N) at the time of the last evaluation.
     forces: Vec<Vec3>,
-    /// How many forces each load has.
+    /// How many forces each load has, the standing ones last.
     lengths: Vec<usize>,
     plain: Places,
     grouped: Places,
 }
 
 impl AppliedLoads {
-    /// From loads with the engine numbers of their nodes; `group_of` gives the group of a node.
+    /// From loads with the engine numbers of their nodes, of which the first `own` do not belong to
+    /// boundaries; `group_of` gives the group of a node.
     pub(crate) fn new(
         loads: Vec<(Box<dyn NodalLoad>, Vec<u32>)>,
+        own: usize,
         group_of: &[Option<u32>],
         group_count: usize,
     ) -> Self {
-        let lengths: Vec<usize> = loads.iter().map(|(_, nodes)| nodes.len()).collect();
+        let mut lengths: Vec<usize> = loads.iter().map(|(_, nodes)| nodes.len()).collect();
+        lengths.push(0);
         let nodes: Vec<u32> = loads.iter().flat_map(|(_, nodes)| nodes).copied().collect();
-        let (mut plain, mut grouped) = (Vec::new(), Vec::new());
-        for (place, &node) in nodes.iter().enumerate() {
-            match group_of[node as usize] {
-                Some(group) => grouped.push((group, place as u32)),
-                None => plain.push((node, place as u32)),
-            }
-        }
-        let sums = LoadSums {
-            forces: vec![Vec3::zeros(); nodes.len()],
-            nodes,
-            lengths,
-            plain: Places::new(plain, None),
-            grouped: Places::new(grouped, Some(group_count as u32)),
-        };
         Self {
             loads: loads.into_iter().map(|(load, _)| load).collect(),
-            sums,
+            own,
+            standing: Vec::new(),
+            sums: LoadSums::new(nodes, lengths, group_of, group_count),
+        }
+    }
+
+    /// Forces (N) that act beside the loads, one per engine node; empty if there are none.
+    pub(crate) fn standing(&self) -> &[Vec3] {
+        &self.standing
+    }
+
+    /// Lets forces act beside the loads from now on.
+    pub(crate) fn set_standing(
+        &mut self,
+        forces: Vec<Vec3>,
+        group_of: &[Option<u32>],
+        group_count: usize,
+    ) {
+        let before = self.sums.lengths.pop().unwrap_or(0);
+        if forces.is_empty() && before == 0 {
+            self.sums.lengths.push(0);
+            return;
+        }
+        let mut nodes = core::mem::take(&mut self.sums.nodes);
+        nodes.truncate(nodes.len() - before);
+        let held = (0..).zip(&forces).filter(|(_, f)| **f != Vec3::zeros());
+        let held: Vec<u32> = held.map(|(node, _)| node).collect();
+        nodes.extend_from_slice(&held);
+        let mut lengths = core::mem::take(&mut self.sums.lengths);
+        lengths.push(held.len());
+        self.sums = LoadSums::new(nodes, lengths, group_of, group_count);
+        self.standing = forces;
+        self.sums.put_standing(&self.standing);
+    }
+
+    /// The model's own loads (N) at a time (s), added by engine node; neither those of boundaries nor
+    /// the standing forces.
+    pub(crate) fn add_own(&mut self, time: f64, forces: &mut [Vec3]) {
+        self.evaluate(time);
+        let count: usize = self.sums.lengths[..self.own].iter().sum();
+        let own = self.sums.nodes[..count].iter().zip(&self.sums.forces);
+        for (&node, force) in own {
+            forces[node as usize] += force;
+        }
+    }
+
+    /// The loads (N) at a time (s), added by engine node, without the standing forces.
+    pub(crate) fn add_all(&mut self, time: f64, forces: &mut [Vec3]) {
+        self.evaluate(time);
+        let standing = self.sums.lengths.last().copied().unwrap_or(0);
+        let count = self.sums.nodes.len() - standing;
+        let all = self.sums.nodes[..count].iter().zip(&self.sums.forces);
+        for (&node, force) in all {
+            forces[node as usize] += force;
         }
     }
 
@@ -107,6 +153,37 @@ impl AppliedLoads {
 }
 
 impl LoadSums {
+    fn new(
+        nodes: Vec<u32>,
+        lengths: Vec<usize>,
+        group_of: &[Option<u32>],
+        group_count: usize,
+    ) -> Self {
+        let (mut plain, mut grouped) = (Vec::new(), Vec::new());
+        for (place, &node) in nodes.iter().enumerate() {
+            match group_of[node as usize] {
+                Some(group) => grouped.push((group, place as u32)),
+                None => plain.push((node, place as u32)),
+            }
+        }
+        Self {
+            forces: vec![Vec3::zeros(); nodes.len()],
+            nodes,
+            lengths,
+            plain: Places::new(plain, None),
+            grouped: Places::new(grouped, Some(group_count as u32)),
+        }
+    }
+
+    /// Takes over the standing forces; evaluating the loads leaves them as they are.
+    fn put_standing(&mut self, standing: &[Vec3]) {
+        let count = self.lengths.last().copied().unwrap_or(0);
+        let first = self.nodes.len() - count;
+        for (force, &node) in self.forces[first..].iter_mut().zip(&self.nodes[first..]) {
+            *force = standing[node as usize];
+        }
+    }
+
     /// Whether any plain node is loaded.
     pub(crate) fn on_plain_nodes(&self) -> bool {
         !self.plain.keys.is_empty()

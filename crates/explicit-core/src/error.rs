@@ -225,6 +225,9 @@ pub enum EngineError {
         /// How many pairs the state tells of.
         pairs: usize,
     },
+    /// A state of a body with other elements than the model's.
+    #[error("the state lacks other elements than the model, or had others cast later")]
+    OtherElements,
     /// A number of threads that the system refuses.
     #[error("{threads} threads could not be started")]
     Threads {

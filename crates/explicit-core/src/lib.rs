@@ -6,6 +6,11 @@
 //! [`TimeIntegrator`](powerhouse_model::TimeIntegrator), [`Leapfrog`] or [`OneSided`], and shows
 //! each step to observers (see [`observe`]).
 //!
+//! What happened before is a list of [`Stage`]s, brought to rest one after another by
+//! [`run_stages`]: an initial stress ([`StressField`]), elements that go and come, [bolts](BoltSet).
+//! A dynamic model starts from their last state ([`ModelBuilder::start`]) and is handed over
+//! ([`Model::hand_over`]): without input it stays still.
+//!
 //! A block of rock falls on rollers for a while:
 //! ```
 //! use powerhouse_explicit_core::*;
@@ -81,12 +86,23 @@
 //! corrections of the same kind, each combined with the last ones, instead of tangents that few laws
 //! have and that need not be symmetric.
 //!
+//! *A stage is a new model of the same mesh and state*, not a list of switches: whatever changes
+//! between stages, numbering and blocks are made for what is there. Nothing is lost on the way,
+//! because what holds a body at rest is computed anew by the model that goes on, its kernels,
+//! lanes and digits, and stays on as standing forces. They are compared with those of the stage
+//! before, so that a load that was forgotten is an error and not a hidden force.
+//!
+//! *Displacements go on, and so do the references of strain.* The static strain stays in the
+//! strain; observers and springs see what was added since the stage began. Elements that are cast
+//! later count their strain from where they were cast.
+//!
 //! *The paper's scheme is a leapfrog* with less damping, see [`OneSided`]; it is computed as such,
 //! and refused where it would grow.
 
 mod applied;
 mod assembly;
 mod block;
+mod bolts;
 mod damping;
 mod error;
 mod gather;
@@ -104,12 +120,14 @@ mod partition;
 mod run;
 mod spectrum;
 mod stable_step;
+mod stage;
 mod statics;
 mod support;
 mod view;
 
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
 pub use block::solid;
+pub use bolts::{BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSegment, BoltSet, Grout};
 pub use error::EngineError;
 pub use integrator::{Leapfrog, OneSided};
 pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
@@ -120,5 +138,6 @@ pub use run::{
     run_reporting,
 };
 pub use stable_step::StableStep;
-pub use statics::{StaticError, StaticOptions, StaticProgress, StaticReport};
+pub use stage::{Stage, StageError, StageEvent, StageModel, StageReport, StressField, run_stages};
+pub use statics::{HandOverReport, StaticError, StaticOptions, StaticProgress, StaticReport};
 pub use support::{PeriodicPairs, Prescribed, Support};

@@ -19,6 +19,8 @@ pub(crate) struct Part {
 pub(crate) struct Partition {
     pub(crate) numbering: Numbering,
     pub(crate) parts: Vec<Part>,
+    /// Engine numbers of nodes whose elements are all absent.
+    pub(crate) orphans: Vec<u32>,
 }
 
 /// Cuts sets into parts of at most `size` elements, and numbers the nodes.
@@ -27,14 +29,16 @@ pub(crate) struct Partition {
 /// nodes with others, and each shared node costs a slot. Within a part, elements and nodes are in
 /// reverse Cuthill-McKee order, so that the elements of a batch of lanes lie side by side. A node
 /// belongs to the first part that touches it, and nodes are numbered part by part, so a part owns
-/// a contiguous run. Nothing here depends on the number of threads.
+/// a contiguous run. Nodes of absent elements alone belong to the last part. Nothing here depends
+/// on the number of threads.
 pub(crate) fn partition(
     mesh: &Mesh,
     labels: &[&str],
     sets: &[&[u32]],
+    absent: &[bool],
     size: usize,
 ) -> Result<Partition, EngineError> {
-    check_cover(mesh, labels, sets)?;
+    check_cover(mesh, labels, sets, absent)?;
     let order = reverse_cuthill_mckee(mesh, &Incidence::of(mesh));
     let mut rank = vec![0u32; order.len()];
     for (i, &node) in order.iter().enumerate() {
@@ -69,8 +73,12 @@ pub(crate) fn partition(
     }
     parts.sort_by_key(|(first, part)| (*first, part.set));
     let mut parts: Vec<Part> = parts.into_iter().map(|(_, part)| part).collect();
-    let numbering = number_by_owner(mesh, &rank, &mut parts);
-    Ok(Partition { numbering, parts })
+    let (numbering, orphans) = number_by_owner(mesh, &rank, absent, &mut parts);
+    Ok(Partition {
+        numbering,
+        parts,
+        orphans,
+    })
 }
 
 /// An element with what it is sorted by.
@@ -109,7 +117,12 @@ fn bisect(elements: &mut [Placed], parts: usize, emit: &mut impl FnMut(&mut [Pla
     bisect(right, parts - half, emit);
 }
 
-fn check_cover(mesh: &Mesh, labels: &[&str], sets: &[&[u32]]) -> Result<(), EngineError> {
+fn check_cover(
+    mesh: &Mesh,
+    labels: &[&str],
+    sets: &[&[u32]],
+    absent: &[bool],
+) -> Result<(), EngineError> {
     const FREE: u32 = u32::MAX;
     if sets.iter().all(|set| set.is_empty()) {
         return Err(EngineError::NoElements);
@@ -135,8 +148,10 @@ fn check_cover(mesh: &Mesh, labels: &[&str], sets: &[&[u32]]) -> Result<(), Engi
         }
     }
     // Bars that nothing computes are lines of the mesh, not a hole in the body.
-    let left_out =
-        |element: &u32| owner[*element as usize] == FREE && mesh.kind(*element).is_solid();
+    let left_out = |element: &u32| {
+        let place = *element as usize;
+        owner[place] == FREE && !absent[place] && mesh.kind(*element).is_solid()
+    };
     let mut unassigned = (0..mesh.element_count() as u32).filter(left_out);
     match unassigned.next() {
         Some(first) => Err(EngineError::ElementUnassigned {
@@ -147,7 +162,13 @@ fn check_cover(mesh: &Mesh, labels: &[&str], sets: &[&[u32]]) -> Result<(), Engi
     }
 }
 
-fn number_by_owner(mesh: &Mesh, rank: &[u32], parts: &mut [Part]) -> Numbering {
+/// The numbering, and the engine numbers of nodes whose elements are all absent.
+fn number_by_owner(
+    mesh: &Mesh,
+    rank: &[u32],
+    absent: &[bool],
+    parts: &mut [Part],
+) -> (Numbering, Vec<u32>) {
     const FREE: u32 = u32::MAX;
     let mut numbering = Numbering {
         engine_of: vec![FREE; mesh.node_count()],
@@ -175,12 +196,27 @@ fn number_by_owner(mesh: &Mesh, rank: &[u32], parts: &mut [Part]) -> Numbering {
         borrowed.sort_unstable();
         part.nodes.append(&mut borrowed);
     }
-    // Nodes without elements come last; they are refused later for want of mass.
-    for node in 0..mesh.node_count() {
-        if numbering.engine_of[node] == FREE {
-            numbering.engine_of[node] = numbering.mesh_of.len() as u32;
-            numbering.mesh_of.push(node as u32);
+    // Nodes without elements come last; those that never had any are refused later for want of
+    // mass.
+    let mut had = vec![false; mesh.node_count()];
+    for (element, _) in absent.iter().enumerate().filter(|(_, absent)| **absent) {
+        for &node in mesh.nodes_of(element as u32) {
+            had[node as usize] = true;
         }
     }
-    numbering
+    let mut orphans = Vec::new();
+    for node in 0..mesh.node_count() {
+        if numbering.engine_of[node] == FREE {
+            let engine = numbering.mesh_of.len() as u32;
+            numbering.engine_of[node] = engine;
+            numbering.mesh_of.push(node as u32);
+            if had[node] {
+                orphans.push(engine);
+            }
+        }
+    }
+    if let Some(last) = parts.last_mut() {
+        last.nodes.extend_from_slice(&orphans);
+    }
+    (numbering, orphans)
 }

@@ -84,17 +84,18 @@ impl Model {
         }
     }
 
-    /// `M^-1/2` of the free nodes; zero at nodes that follow a lead.
+    /// `M^-1/2` of the free nodes; zero at nodes that follow a lead or have no mass.
     fn inverse_root_mass(&self) -> Vec<f64> {
         (0..self.mass.len())
             .map(|node| match self.group_of[node] {
-                None => 1.0 / self.mass[node].sqrt(),
+                None => self.mass[node],
                 Some(g) => {
                     let group = &self.groups.groups[g as usize];
                     let leads = group.members[0] as usize == node;
-                    if leads { 1.0 / group.mass.sqrt() } else { 0.0 }
+                    if leads { group.mass } else { 0.0 }
                 }
             })
+            .map(|mass| if mass > 0.0 { 1.0 / mass.sqrt() } else { 0.0 })
             .collect()
     }
 
@@ -115,6 +116,13 @@ impl Model {
             }
             let lead = &mut vector[group.members[0] as usize];
             *lead = group.condition.free(*lead);
+        }
+        for &orphan in &self.orphans {
+            let group = self.group_of[orphan as usize];
+            let tied = group.is_some_and(|g| self.groups.groups[g as usize].mass > 0.0);
+            if !tied {
+                vector[orphan as usize] = Vec3::zeros();
+            }
         }
     }
 

@@ -41,7 +41,11 @@ impl StepView for View<'_> {
         self.model.mesh.node_count()
     }
     fn displacement(&self, node: u32) -> Vec3 {
-        self.model.displacement(node)
+        self.model.displacement(node) - self.stage_start(node)
+    }
+    fn stage_start(&self, node: u32) -> Vec3 {
+        let start = self.model.stage_start.get(node as usize);
+        start.copied().unwrap_or_default()
     }
     fn velocity(&self, node: u32) -> Vec3 {
         let (before, after) = self.model.velocities_around(self.model.engine(node));
@@ -56,8 +60,11 @@ impl StepView for View<'_> {
         let Some(&(block, place)) = model.place_of_element.get(element as usize) else {
             return Stress::default();
         };
-        let stresses = self.stresses[block as usize]
-            .get_or_init(|| model.stresses_of(model.blocks[block as usize].as_ref()));
+        let Some(known) = self.stresses.get(block as usize) else {
+            return Stress::default();
+        };
+        let stresses =
+            known.get_or_init(|| model.stresses_of(model.blocks[block as usize].as_ref()));
         stresses[place as usize]
     }
     fn energies(&self) -> &[(&'static str, f64)] {
@@ -65,7 +72,8 @@ impl StepView for View<'_> {
     }
     fn history(&self, element: u32, variable: &str) -> Option<f64> {
         let &(block, place) = self.model.place_of_element.get(element as usize)?;
-        self.model.blocks[block as usize].shown_history(place as usize, variable)
+        let block = self.model.blocks.get(block as usize)?;
+        block.shown_history(place as usize, variable)
     }
     fn joints(&self) -> Vec<JointView<'_>> {
         self.model.joints().collect()

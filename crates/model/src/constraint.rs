@@ -88,6 +88,11 @@ pub trait Constraint: Send {
     /// # Errors
     /// If the condition cannot be met within the constraint's own cap.
     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError>;
+    /// Pairs of nodes (mesh indices) that it holds together whatever the force, beside those of its
+    /// joints that stick; static solutions take them for one. None by default.
+    fn ties(&self) -> Vec<[u32; 2]> {
+        Vec::new()
+    }
     /// The joints that it consists of; none by default.
     fn joints(&self) -> Vec<JointView<'_>> {
         Vec::new()

@@ -362,6 +362,10 @@ pub trait ElementBlock: Send + Sync {
     fn set_reference_displacement(&mut self, displacement: NodalView);
     /// Sets the initial stress (Pa), in the order of [`elements`](Self::elements).
     fn set_initial_stress(&mut self, stress: &[Stress]);
+    /// Adds the nodal forces (N) of stresses (Pa) that are the same all over each element, given in
+    /// the order of [`elements`](Self::elements), in the order of [`nodes`](Self::nodes): what an
+    /// initial stress asks of the nodes. None by default, for blocks that bear no initial stress.
+    fn add_forces_of(&self, _stress: &[Stress], _out: &mut [Vec3]) {}
     /// Adds the mean change of stress (Pa) of each element under the committed history, in the
     /// order of [`elements`](Self::elements).
     fn add_stress(&self, displacement: NodalView, out: &mut [Stress]);

@@ -63,7 +63,7 @@ pub use mesh::{
     QualityReport, Split,
 };
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
-pub use state::{HistoryField, State};
+pub use state::{Cast, HistoryField, State};
 pub use tensor::{Principal, Strain, Stress};
 
 /// A vector in space: position (m), displacement (m), velocity (m/s) or force (N).

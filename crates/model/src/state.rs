@@ -1,5 +1,7 @@
 //! The state of a body, in the user's numbering.
 
+use std::collections::HashSet;
+
 use crate::{JointHistory, Stress, Vec3};
 
 /// One named history variable of one element set.
@@ -15,6 +17,15 @@ pub struct HistoryField {
     pub values: Vec<f64>,
 }
 
+/// Elements that were put in when the body had already moved: their strain counts from there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cast {
+    /// Mesh indices of the elements.
+    pub elements: Vec<u32>,
+    /// Displacement (m) at which they are free of stress, one per mesh node.
+    pub displacement: Vec<Vec3>,
+}
+
 /// Everything that a stage, a checkpoint or another engine needs to go on, keyed by mesh indices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
@@ -26,15 +37,36 @@ pub struct State {
     pub displacement: Vec<Vec3>,
     /// Velocity half a step before `time` (m/s), one per mesh node.
     pub velocity: Vec<Vec3>,
-    /// Displacement (m) from which the springs of boundaries are measured, one per mesh node; empty
-    /// where it is zero.
-    pub spring_origin: Vec<Vec3>,
+    /// Displacement (m) at the start of the stage, one per mesh node; empty where it is zero. The
+    /// springs of boundaries are measured from it, and observers see displacements against it.
+    pub stage_start: Vec<Vec3>,
     /// Mean initial stress per element (Pa); empty where there is none.
     pub initial_stress: Vec<Stress>,
+    /// Mesh indices of elements that are not there, excavated or yet to be built, in rising order.
+    pub absent: Vec<u32>,
+    /// Elements that were put in later.
+    pub casts: Vec<Cast>,
+    /// Forces (N) that hold the body beside its loads, one per mesh node; empty where there are
+    /// none: what balances the initial stress, reactions of supports, what a static solution left.
+    pub standing: Vec<Vec3>,
     /// History variables of the laws.
     pub history: Vec<HistoryField>,
     /// What has become of joints.
     pub joints: Vec<JointHistory>,
+}
+
+impl HistoryField {
+    fn forget(&mut self, gone: &HashSet<u32>) {
+        let points = self.points;
+        let kept: Vec<usize> = (0..self.elements.len())
+            .filter(|&place| !gone.contains(&self.elements[place]))
+            .collect();
+        let values = kept
+            .iter()
+            .flat_map(|&place| place * points..(place + 1) * points);
+        self.values = values.filter_map(|i| self.values.get(i).copied()).collect();
+        self.elements = kept.iter().map(|&place| self.elements[place]).collect();
+    }
 }
 
 impl State {
@@ -45,5 +77,54 @@ impl State {
             velocity: vec![Vec3::zeros(); nodes],
             ..Self::default()
         }
+    }
+
+    /// The same body at the start of a new stage: at rest, at time zero, without the additional
+    /// nodes that a boundary had.
+    #[must_use]
+    pub fn next_stage(mut self, nodes: usize) -> Self {
+        (self.time, self.step) = (0.0, 0);
+        self.displacement.truncate(nodes);
+        self.standing.truncate(nodes);
+        self.stage_start.clear();
+        self.velocity = vec![Vec3::zeros(); nodes];
+        self
+    }
+
+    /// Takes elements out of the body, with all that belongs to them.
+    pub fn remove(&mut self, elements: &[u32]) {
+        self.absent.extend_from_slice(elements);
+        self.absent.sort_unstable();
+        self.absent.dedup();
+        self.forget(elements);
+    }
+
+    /// Puts elements in, free of stress at the present displacement.
+    pub fn cast(&mut self, elements: &[u32]) {
+        self.forget(elements);
+        let present: HashSet<u32> = elements.iter().copied().collect();
+        self.absent.retain(|element| !present.contains(element));
+        self.casts.push(Cast {
+            elements: elements.to_vec(),
+            displacement: self.displacement.clone(),
+        });
+    }
+
+    /// Drops the initial stress, the history and the casting of elements.
+    fn forget(&mut self, elements: &[u32]) {
+        for &element in elements {
+            if let Some(stress) = self.initial_stress.get_mut(element as usize) {
+                *stress = Stress::default();
+            }
+        }
+        let gone: HashSet<u32> = elements.iter().copied().collect();
+        for cast in &mut self.casts {
+            cast.elements.retain(|element| !gone.contains(element));
+        }
+        self.casts.retain(|cast| !cast.elements.is_empty());
+        for field in &mut self.history {
+            field.forget(&gone);
+        }
+        self.history.retain(|field| !field.elements.is_empty());
     }
 }

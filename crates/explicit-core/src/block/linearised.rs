@@ -1,6 +1,6 @@
 //! Operators in matrix terms: nodal diagonals, and secant and tangent at the present state.
 
-use powerhouse_model::{ElementKernel, Geometry, LawInput, Mat3, Operator, Strain, Stress};
+use powerhouse_model::{ElementKernel, Geometry, LawInput, Mat3, Operator, Strain, Stress, Vec3};
 
 use super::Block;
 use super::law::LawParts;
@@ -130,6 +130,24 @@ where
                 let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
                 self.kernel.nodal_forces(&forces)
             });
+        }
+    }
+
+    /// Adds the nodal forces of stresses that are the same all over each element.
+    pub(super) fn add_forces_of_stress(&self, stresses: &[Stress], out: &mut [Vec3]) {
+        let modulus = self.moduli.constrained();
+        let mut numbers = vec![0.0; self.kernel.geometry_len()];
+        for (element, &stress) in stresses.iter().enumerate().take(self.elements.len()) {
+            if !self.is_active(element) {
+                continue;
+            }
+            self.geometry_of(element, &mut numbers);
+            let geometry = Geometry::<f64>::new((), &numbers);
+            let modal = (self.kernel).forces(geometry, &[stress; P], modulus, &[[0.0; 3]; N]);
+            let nodal = self.kernel.nodal_forces(&modal);
+            for (&place, force) in self.places.as_slice()[element].iter().zip(nodal) {
+                out[place as usize] += Vec3::from(force);
+            }
         }
     }
 

@@ -460,6 +460,9 @@ where
         }
         self.account.rest();
     }
+    fn add_forces_of(&self, stress: &[Stress], out: &mut [Vec3]) {
+        self.add_forces_of_stress(stress, out);
+    }
     fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
         let survey = self.survey(&self.since_reference(displacement));
         for (out, summary) in out.iter_mut().zip(&survey) {

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use powerhouse_model::{
-    BoundaryParts, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad, Numbering,
-    TimeFunction, Vec3,
+    BoundaryParts, BuildBlock, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad,
+    NodalView, Numbering, State, TimeFunction, Vec3,
 };
 use rayon::prelude::*;
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
+use super::start::{Embedded, Start};
 use super::{Bound, Model};
 use crate::applied::AppliedLoads;
 use crate::gather::{Gather, SlotTable};
@@ -56,6 +57,8 @@ pub struct ModelBuilder<'a> {
     weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
     boundaries: Vec<BoundaryParts>,
     constraints: Vec<Box<dyn Constraint>>,
+    embedded: Vec<Embedded>,
+    start: Start,
     threads: Option<usize>,
     part_size: Option<usize>,
 }
@@ -72,12 +75,22 @@ impl<'a> ModelBuilder<'a> {
             weights: Vec::new(),
             boundaries: Vec::new(),
             constraints: Vec::new(),
+            embedded: Vec::new(),
+            start: Start::default(),
             threads: None,
             part_size: None,
         }
     }
+    /// Starts from a state, such as that of the stage before: elements that are
+    /// [absent](State::absent) in it are left out, their nodes have no mass; the strain of
+    /// [cast](State::casts) elements counts from where they were cast.
+    #[must_use]
+    pub fn start(mut self, state: State) -> Self {
+        self.start = Start { state: Some(state) };
+        self
+    }
     /// Elements, by set or by mesh index, and what computes them. Every element of the mesh must
-    /// be given once.
+    /// be given once, absent ones too unless nothing is to compute them.
     #[must_use]
     pub fn elements(
         mut self,
@@ -129,6 +142,15 @@ impl<'a> ModelBuilder<'a> {
         self.constraints.push(constraint);
         self
     }
+    /// A block that joins nodes of the mesh, made once they are numbered, such as that of
+    /// [bolts](crate::BoltSet::block). What it remembers has names of its own, so that a state can
+    /// carry it. If the state that the model starts from knows nothing of it, it is installed now:
+    /// free of force, but for what it brings along, at the present displacement.
+    #[must_use]
+    pub fn embed(mut self, build: BuildBlock) -> Self {
+        self.embedded.push(Embedded { build });
+        self
+    }
     /// Computes with this many threads of the model's own instead of all; the results have the
     /// same bits.
     #[must_use]
@@ -160,8 +182,16 @@ impl<'a> ModelBuilder<'a> {
             let share = mesh.element_count() / PARTS;
             share.clamp(*PART_SIZES.start(), *PART_SIZES.end())
         });
-        let (mut numbering, mut blocks) = build_blocks(mesh, &self.sets, part_size)?;
+        let Solids {
+            mut numbering,
+            mut blocks,
+            orphans,
+        } = build_blocks(mesh, &self.sets, &self.start, part_size)?;
         let place_of_element = places(mesh, &blocks);
+        let embedded_from = blocks.len();
+        let embedded = self.embedded.into_iter();
+        blocks.extend(embedded.map(|block| (block.build)(&numbering)));
+        let boundary_from = blocks.len();
         let mut boundary_loads = Vec::new();
         let mut impedance = Vec::new();
         for parts in self.boundaries {
@@ -169,7 +199,9 @@ impl<'a> ModelBuilder<'a> {
             blocks.extend(extra);
             for item in parts.impedance {
                 let node = engine_node("a boundary", item.node, &numbers)?;
-                impedance.push((node, item));
+                if orphans.binary_search(&node).is_err() {
+                    impedance.push((node, item));
+                }
             }
             for load in parts.loads {
                 boundary_loads.push(with_engine_nodes(load, &numbers, mesh)?);
@@ -177,7 +209,7 @@ impl<'a> ModelBuilder<'a> {
         }
         let node_count = numbering.mesh_of.len();
         let slots = slot_table(&blocks, node_count)?;
-        let (mass, mass_damping) = lumped(mesh, &numbering, &blocks)?;
+        let (mass, mass_damping) = lumped(mesh, &numbering, &blocks, &orphans)?;
 
         let numbers = numbering.engine_of[..mesh.node_count()].to_vec();
         let mut loads = Vec::new();
@@ -189,6 +221,7 @@ impl<'a> ModelBuilder<'a> {
             let weight = Box::new(Weight::new(of_mesh, acceleration, history));
             loads.push(with_engine_nodes(weight, &numbers, mesh)?);
         }
+        let own_loads = loads.len();
         loads.append(&mut boundary_loads);
 
         let mut plan = GroupPlan::new(mesh, &numbering, node_count);
@@ -214,14 +247,14 @@ impl<'a> ModelBuilder<'a> {
             .map(|(constraint, nodes)| bind(constraint, nodes, &group_of))
             .collect();
 
-        let loads = AppliedLoads::new(loads, &group_of, groups.groups.len());
+        let loads = AppliedLoads::new(loads, own_loads, &group_of, groups.groups.len());
         let with_external = loads.sums.on_plain_nodes();
         let nodes = if precision == Precision::F32 {
             Nodes::F32(NodalArrays::new(node_count, slots.len(), with_external))
         } else {
             Nodes::F64(NodalArrays::new(node_count, slots.len(), with_external))
         };
-        Ok(Model {
+        let mut model = Model {
             mesh: mesh.clone(),
             lengths: blocks.iter().map(|block| block.nodes().len()).collect(),
             gather: Gather::new(&slots),
@@ -241,6 +274,11 @@ impl<'a> ModelBuilder<'a> {
                 .collect(),
             constraints,
             initial_stress: Vec::new(),
+            orphans,
+            absent: Vec::new(),
+            casts: Vec::new(),
+            stage_start: Vec::new(),
+            embedded: embedded_from..boundary_from,
             time: 0.0,
             number: 0,
             prepared: None,
@@ -253,28 +291,41 @@ impl<'a> ModelBuilder<'a> {
             place_of_element,
             spectrum: None,
             pool,
-        })
+        };
+        if let Some(state) = self.start.state {
+            model.absent.clone_from(&state.absent);
+            model.casts.clone_from(&state.casts);
+            model.set_state(&state)?;
+        }
+        Ok(model)
     }
 }
 
-type ElementSet = (ElementChoice, Box<dyn BlockFactory>);
+pub(super) type ElementSet = (ElementChoice, Box<dyn BlockFactory>);
+
+/// The elements of the mesh as blocks.
+struct Solids {
+    numbering: Numbering,
+    blocks: Vec<Box<dyn ElementBlock>>,
+    /// Engine nodes whose elements are all absent, in rising order.
+    orphans: Vec<u32>,
+}
 
 /// Numbers the nodes and makes the blocks.
 fn build_blocks(
     mesh: &Mesh,
     sets: &[ElementSet],
+    start: &Start,
     part_size: usize,
-) -> Result<(Numbering, Vec<Box<dyn ElementBlock>>), ModelError> {
-    let mut lists: Vec<&[u32]> = Vec::new();
-    let labels: Vec<&str> = sets.iter().map(|(_, f)| f.label()).collect();
-    for (choice, _) in sets {
-        lists.push(match choice {
-            ElementChoice::Set(name) => mesh.element_set(name)?,
-            ElementChoice::Elements(elements) => elements,
-        });
-    }
-    let division = partition(mesh, &labels, &lists, part_size)?;
-    for (elements, (_, factory)) in lists.iter().zip(sets) {
+) -> Result<Solids, ModelError> {
+    let absent = start.absent(mesh)?;
+    let pieces = start.pieces(mesh, sets, &absent)?;
+    let lists: Vec<&[u32]> = pieces.iter().map(|piece| &*piece.elements).collect();
+    let factory = |piece: usize| sets[pieces[piece].set].1.as_ref();
+    let labels: Vec<&str> = (0..pieces.len()).map(|i| factory(i).label()).collect();
+    let division = partition(mesh, &labels, &lists, &absent, part_size)?;
+    for (piece, elements) in lists.iter().enumerate() {
+        let factory = factory(piece);
         let other = elements.iter().find(|&&e| mesh.kind(e) != factory.kind());
         if let Some(&element) = other {
             return Err(EngineError::ElementKind {
@@ -286,16 +337,29 @@ fn build_blocks(
             .into());
         }
     }
+    let engine_of = &division.numbering.engine_of;
+    let references: Vec<_> = pieces
+        .iter()
+        .map(|piece| piece.cast.map(|cast| start.reference(cast, engine_of)))
+        .collect();
     let blocks: Result<Vec<_>, ModelError> = division
         .parts
         .par_iter()
         .map(|part| {
             let (elements, nodes) = (&part.elements, &part.nodes);
             let part_of_mesh = BlockPart::new(mesh, elements, &division.numbering, nodes);
-            sets[part.set].1.build(&part_of_mesh)
+            let mut block = factory(part.set).build(&part_of_mesh)?;
+            if let Some(reference) = &references[part.set] {
+                block.set_reference_displacement(NodalView::F64(reference));
+            }
+            Ok(block)
         })
         .collect();
-    Ok((division.numbering, blocks?))
+    Ok(Solids {
+        blocks: blocks?,
+        numbering: division.numbering,
+        orphans: division.orphans,
+    })
 }
 
 /// The coarsest arithmetic of any set; nodes in single precision suit no other sets.
@@ -381,9 +445,9 @@ fn slot_table(
     ))
 }
 
-/// Block of each mesh element, and its place in the block.
+/// Block of each mesh element, and its place in the block; no block for elements that are absent.
 fn places(mesh: &Mesh, blocks: &[Box<dyn ElementBlock>]) -> Vec<(u32, u32)> {
-    let mut places = vec![(0, 0); mesh.element_count()];
+    let mut places = vec![(u32::MAX, 0); mesh.element_count()];
     for (b, block) in blocks.iter().enumerate() {
         for (place, &element) in block.elements().iter().enumerate() {
             if let Some(entry) = places.get_mut(element as usize) {
@@ -399,6 +463,7 @@ fn lumped(
     mesh: &Mesh,
     numbering: &Numbering,
     blocks: &[Box<dyn ElementBlock>],
+    orphans: &[u32],
 ) -> Result<(Vec<f64>, Vec<f64>), EngineError> {
     let count = numbering.mesh_of.len();
     let (mut mass, mut damping) = (vec![0.0; count], vec![0.0; count]);
@@ -410,8 +475,10 @@ fn lumped(
             damping[node as usize] += m * block.mass_damping();
         }
     }
-    let without = mass.iter().position(|&m| !(m.is_finite() && m > 0.0));
-    if let Some(node) = without {
+    let without = |node: &usize| !(mass[*node].is_finite() && mass[*node] > 0.0);
+    let mut without = (0..count).filter(without);
+    let fault = without.find(|&node| orphans.binary_search(&(node as u32)).is_err());
+    if let Some(node) = fault {
         return Err(EngineError::NodeWithoutMass {
             node: tag(mesh, numbering.mesh_of[node]),
             mass: mass[node],

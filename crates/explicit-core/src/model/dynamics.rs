@@ -147,9 +147,11 @@ impl Model {
                 MassDampingRule::Implicit => (mass + 0.5 * damping, mass - 0.5 * damping),
                 MassDampingRule::Lagged => (*mass, mass - damping),
             };
-            gain.push(if grouped { 0.0 } else { step / effective });
+            // Nodes without mass stay where they are, as grouped ones do in this pass.
+            let moves = !grouped && effective > 0.0;
+            gain.push(if moves { step / effective } else { 0.0 });
             if !self.mass_damping.is_empty() {
-                decay.push(if grouped { 1.0 } else { old / effective });
+                decay.push(if moves { old / effective } else { 1.0 });
             }
         }
         with_nodes!(&mut self.nodes, arrays => arrays.set_coefficients(&gain, &decay));

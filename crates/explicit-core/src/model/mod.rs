@@ -4,6 +4,7 @@ mod builder;
 mod dynamics;
 mod motion;
 mod plan;
+mod start;
 
 use std::sync::Arc;
 
@@ -36,6 +37,13 @@ pub(crate) struct Bound {
     inverse_mass: Vec<Mat3>,
 }
 
+impl Bound {
+    /// Engine nodes, in the constraint's order.
+    pub(crate) fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+}
+
 /// A body ready to be stepped: element blocks, nodes, supports, loads, boundaries, constraints.
 ///
 /// Built by [`Model::builder`]; moved by [`run`](crate::run), or step by step by a
@@ -60,7 +68,18 @@ pub struct Model {
     pub(crate) loads: AppliedLoads,
     prescribed: Vec<Box<dyn TimeFunction>>,
     pub(crate) constraints: Vec<Bound>,
-    initial_stress: Vec<powerhouse_model::Stress>,
+    pub(crate) initial_stress: Vec<powerhouse_model::Stress>,
+    /// Engine nodes without mass, whose elements are all absent, in rising order.
+    pub(crate) orphans: Vec<u32>,
+    /// Mesh indices of elements that are not there.
+    absent: Vec<u32>,
+    /// Elements that were put in later.
+    casts: Vec<powerhouse_model::Cast>,
+    /// Displacement (m) at the start of the stage, one per mesh node and additional node; empty
+    /// where it is zero.
+    pub(crate) stage_start: Vec<Vec3>,
+    /// Blocks that are neither of the mesh nor of a boundary.
+    embedded: core::ops::Range<usize>,
     pub(crate) time: f64,
     pub(crate) number: u64,
     /// The rule and step that the matrices are made for.

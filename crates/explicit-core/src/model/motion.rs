@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    HistoryField, JointHistory, JointView, ModelError, Quad, State, Stress, Vec3,
+    HistoryField, JointHistory, JointView, ModelError, NodalView, Quad, State, Stress, Vec3,
 };
 
 use super::Model;
 use crate::EngineError;
-use crate::nodes::with_nodes;
+use crate::nodes::{Storage, with_nodes};
 
 impl Model {
     /// Displacement (m) of a mesh node.
@@ -141,13 +141,37 @@ impl Model {
         Ok(())
     }
 
-    /// Makes the present displacement the one from which the springs of boundaries are measured:
-    /// the start of a stage.
+    /// Makes the present displacement the start of a stage: springs and blocks of boundaries are
+    /// measured from it, and observers see displacements against it.
     pub fn begin_stage(&mut self) {
-        for g in 0..self.groups.groups.len() {
-            let lead = self.groups.groups[g].members[0] as usize;
-            self.groups.origin[g] = self.displacement_of(lead);
+        self.settle();
+        let engines = self.numbering.engine_of.iter();
+        let start = engines
+            .map(|&engine| self.displacement_of(engine as usize))
+            .collect();
+        self.put_stage_start(start);
+    }
+
+    /// Measures the stage from a displacement (m) of mesh nodes and additional ones.
+    fn put_stage_start(&mut self, start: Vec<Vec3>) {
+        let of = |node: u32| start.get(node as usize).copied().unwrap_or_default();
+        for (group, origin) in self.groups.groups.iter().zip(&mut self.groups.origin) {
+            *origin = of(self.numbering.mesh_of[group.members[0] as usize]);
         }
+        let moves = |node: &u32| of(*node) != Vec3::zeros();
+        if self.embedded.end < self.blocks.len() {
+            let reference: Vec<Quad<f64>> = (self.numbering.mesh_of.iter())
+                .map(|&node| Quad::from_vector(&of(node)))
+                .collect();
+            for block in &mut self.blocks[self.embedded.end..] {
+                block.set_reference_displacement(NodalView::F64(&reference));
+            }
+        }
+        self.stage_start = if self.numbering.mesh_of.iter().any(moves) {
+            start
+        } else {
+            Vec::new()
+        };
     }
 
     /// The mean change of stress (Pa) of each element of the mesh against its initial stress,
@@ -177,14 +201,10 @@ impl Model {
         self.commit();
         let engine_of = &self.numbering.engine_of;
         let engines = || engine_of.iter().map(|&engine| engine as usize);
-        let mut spring_origin = Vec::new();
-        if self.groups.origin.iter().any(|u| *u != Vec3::zeros()) {
-            spring_origin = engines()
-                .map(|engine| match self.group_of[engine] {
-                    Some(group) => self.groups.origin[group as usize],
-                    None => Vec3::zeros(),
-                })
-                .collect();
+        let standing = self.loads.standing();
+        let mut forces = Vec::new();
+        if standing.iter().any(|force| *force != Vec3::zeros()) {
+            forces = engines().map(|engine| standing[engine]).collect();
         }
         State {
             time: self.time,
@@ -193,8 +213,11 @@ impl Model {
                 .map(|engine| self.displacement_of(engine))
                 .collect(),
             velocity: engines().map(|engine| self.velocity_of(engine)).collect(),
-            spring_origin,
+            stage_start: self.stage_start.clone(),
             initial_stress: self.initial_stress.clone(),
+            absent: self.absent.clone(),
+            casts: self.casts.clone(),
+            standing: forces,
             history: merged(self.blocks.iter().map(|b| (b.label(), b.history()))),
             joints: self
                 .joints()
@@ -218,13 +241,22 @@ impl Model {
             }
             .into());
         }
+        if (&state.absent, &state.casts) != (&self.absent, &self.casts) {
+            return Err(EngineError::OtherElements.into());
+        }
         self.put_motion(&state.displacement, &state.velocity)?;
+        self.install();
         self.commit();
         (self.time, self.number) = (state.time, state.step);
-        for (g, group) in self.groups.groups.iter().enumerate() {
-            let lead = self.numbering.mesh_of[group.members[0] as usize] as usize;
-            self.groups.origin[g] = state.spring_origin.get(lead).copied().unwrap_or_default();
+        self.put_stage_start(state.stage_start.clone());
+        let mut standing = Vec::new();
+        if !state.standing.is_empty() {
+            standing = vec![Vec3::zeros(); self.mass.len()];
+            for (&engine, force) in self.numbering.engine_of.iter().zip(&state.standing) {
+                standing[engine as usize] = *force;
+            }
         }
+        self.set_standing(standing);
         self.initial_stress.clone_from(&state.initial_stress);
         for block in &mut self.blocks {
             if !state.initial_stress.is_empty() {
@@ -247,11 +279,37 @@ impl Model {
             }
         }
         let places = places_of(&state.history, elements);
-        for block in &mut self.blocks {
+        for (index, block) in self.blocks.iter_mut().enumerate() {
+            if self.embedded.contains(&index) {
+                block.set_history(&state.history);
+                continue;
+            }
             let fields = own_fields(&state.history, &places, block.elements());
             block.set_history(&fields);
         }
         Ok(())
+    }
+
+    /// Installs embedded blocks at the present displacement.
+    pub(super) fn install(&mut self) {
+        let blocks = &mut self.blocks[self.embedded.clone()];
+        with_nodes!(&self.nodes, arrays => {
+            for block in blocks {
+                block.set_reference_displacement(Storage::view(&arrays.displacement));
+            }
+        });
+    }
+
+    /// Lets forces (N, engine numbering; none if empty) act from now on beside the loads.
+    pub(crate) fn set_standing(&mut self, forces: Vec<Vec3>) {
+        self.loads
+            .set_standing(forces, &self.group_of, self.groups.groups.len());
+        let loaded = self.loads.sums.on_plain_nodes();
+        let nodes = if loaded { self.mass.len() } else { 0 };
+        with_nodes!(&mut self.nodes, arrays => {
+            arrays.external.clear();
+            arrays.external.resize(nodes, Quad::default());
+        });
     }
 }
 

@@ -36,6 +36,33 @@ pub enum StaticError {
         /// Its name.
         name: String,
     },
+    /// A joint whose law does not admit the tractions that hold it together.
+    #[error(
+        "joint '{joint}' slides or opens at {pairs} of {of} pairs: a static solution takes what \
+         sticks for one body"
+    )]
+    JointMoves {
+        /// The joint.
+        joint: String,
+        /// How many of its pairs move.
+        pairs: usize,
+        /// How many it has.
+        of: usize,
+    },
+    /// A joint that could not be solved.
+    #[error("'{name}': {reason}")]
+    Joint {
+        /// The constraint.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// Nodes that are held together but driven apart.
+    #[error("node {node} is tied to one with another prescribed motion")]
+    TiedMotions {
+        /// The node's number.
+        node: u64,
+    },
     /// An element that cannot be computed.
     #[error("element {element} of set '{set}': {reason}")]
     Element {
@@ -45,6 +72,29 @@ pub enum StaticError {
         set: String,
         /// Why.
         reason: String,
+    },
+    /// A body that other forces hold than those of the stage before.
+    #[error(
+        "what holds the body changed by {difference:.3e} of its internal forces (permitted: \
+         {tolerance:.1e}) from one stage to the next, most of all at node {node}: a load, an \
+         element or a bolt is missing or new, or the body was not at rest"
+    )]
+    NotHeld {
+        /// The change, relative to the internal forces.
+        difference: f64,
+        /// The permitted change.
+        tolerance: f64,
+        /// The node where most changed.
+        node: u64,
+    },
+    /// A law that would forget the static stress.
+    #[error(
+        "set '{set}' relaxes: its damping would act on the static stress, which must be an \
+         initial stress for it"
+    )]
+    Relaxes {
+        /// The set.
+        set: String,
     },
     /// Forces that do not balance.
     #[error(

@@ -3,16 +3,21 @@
 
 mod error;
 mod gradients;
+mod joints;
 mod mixing;
+mod parts;
+mod rest;
 mod support_check;
 mod system;
 
 pub use error::StaticError;
+pub use rest::HandOverReport;
 
 use powerhouse_model::{ParameterError, Vec3};
 
 use crate::Model;
 use mixing::Mixing;
+use parts::Parts;
 use system::System;
 
 use crate::spectrum::norm;
@@ -35,6 +40,9 @@ pub struct StaticOptions {
     pub corrections: u32,
     /// The smallest share of the load that an increment may be cut to; 1e-3 by default.
     pub least_increment: f64,
+    /// The share of what is out of balance at the start that comes; 1 by default. Less leaves the
+    /// rest standing, as a face ahead that still bears, until the next solution.
+    pub release: f64,
 }
 
 impl Default for StaticOptions {
@@ -44,6 +52,7 @@ impl Default for StaticOptions {
             increments: 1,
             corrections: 100,
             least_increment: 1.0e-3,
+            release: 1.0,
         }
     }
 }
@@ -61,6 +70,12 @@ impl StaticOptions {
         self.increments = increments;
         self
     }
+    /// The same with a share of what is out of balance that comes.
+    #[must_use]
+    pub fn with_release(mut self, release: f64) -> Self {
+        self.release = release;
+        self
+    }
     /// Whether every field is in its range.
     ///
     /// # Errors
@@ -69,7 +84,8 @@ impl StaticOptions {
         ParameterError::check("tolerance", self.tolerance, 1.0e-14, 1.0)?;
         ParameterError::check("increments", f64::from(self.increments), 1.0, 1.0e6)?;
         ParameterError::check("corrections", f64::from(self.corrections), 1.0, 1.0e6)?;
-        ParameterError::check("least_increment", self.least_increment, 1.0e-9, 1.0)
+        ParameterError::check("least_increment", self.least_increment, 1.0e-9, 1.0)?;
+        ParameterError::check("release", self.release, 1.0e-6, 1.0)
     }
 }
 
@@ -84,7 +100,8 @@ pub struct StaticReport {
     pub products: u64,
     /// Forces out of balance in the end over the load, below the gate.
     pub residual: f64,
-    /// Norm of the load (N): applied forces and those that supports let go.
+    /// Norm of the load (N): the largest of applied forces, those that the initial stress asks for,
+    /// and those that were out of balance.
     pub load: f64,
 }
 
@@ -119,8 +136,17 @@ impl Model {
     /// so that the next is smallest (Anderson 1965). The history of an increment is
     /// committed once it balances; an increment that does not is tried anew by halves.
     ///
-    /// Dashpots do not act, springs of boundaries do, and prescribed motions have their value at
-    /// the present time. In the end velocities are zero. Laws that depend on time are static.
+    /// The initial stress counts with the forces that it asks of the nodes, so that it stands in
+    /// balance with weights, pressures and supports, or moves the body until it does. Dashpots do
+    /// not act, springs of boundaries do, and prescribed motions have their value at the present
+    /// time. Laws that depend on time are static.
+    ///
+    /// Ties and pairs of joints that stick are one node for the solution; in the end the joints take
+    /// their tractions, which their laws must admit. Pairs that are open stay so.
+    ///
+    /// In the end velocities are zero, and what the body lacks to be at rest beside its loads,
+    /// the residual under the gate too, acts on as standing forces: stepped on with the same
+    /// supports it stays as still as if it were in balance to the last digit.
     ///
     /// # Errors
     /// See [`StaticError`]; the model is then in the state of the last increment that balanced.
@@ -143,33 +169,32 @@ impl Model {
         self.commit();
         let mut system = System::new(self)?;
         let mut u = system.displacement();
-        let target = system.external();
+        let (target, size) = system.external();
         system.forces(&u)?;
         // What is balanced at the start stays balanced: the rest is the load that comes.
         let first = system.residual(&target, &u);
         let driven = system.prescribed_change(&u);
         let mut report = StaticReport {
-            load: norm(&target).max(norm(&first)),
+            load: size.max(norm(&first)),
             ..StaticReport::default()
         };
         let moves = driven.iter().any(|(_, change)| *change != Vec3::zeros());
+        let end = options.release;
+        let (mut done, mut share) = (0.0, end / f64::from(options.increments));
         if report.load == 0.0 && !moves {
-            system.finish(&u);
-            return Ok(report);
+            done = end;
         }
-
-        let (mut done, mut share) = (0.0, 1.0 / f64::from(options.increments));
-        while done < 1.0 {
-            // The last increment ends exactly at the whole load.
-            let next = if done + 1.5 * share > 1.0 {
-                1.0
+        while done < end {
+            // The last increment ends exactly at what is to come.
+            let next = if done + 1.5 * share > end {
+                end
             } else {
                 done + share
             };
             report.increments += 1;
             let mut trial = u.clone();
-            for &(lead, change) in &driven {
-                trial[lead] += change * (next - done);
+            for &(node, change) in &driven {
+                trial[node] += change * (next - done);
             }
             let rest: Vec<Vec3> = (target.iter().zip(&first))
                 .map(|(f, r)| f - r * (1.0 - next))
@@ -197,6 +222,8 @@ impl Model {
             }
         }
         system.finish(&u);
+        self.load_joints()?;
+        self.hold()?;
         Ok(report)
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3x6, Matrix6, Vector6};
 use powerhouse_model::{Mat3, Vec3};
 
-use super::StaticError;
+use super::{Parts, StaticError};
 use crate::Model;
 
 /// A motion with less than this share of the greatest resistance counts as free.
@@ -20,35 +20,13 @@ fn rigid(place: &Vec3) -> Matrix3x6<f64> {
     matrix
 }
 
-/// Sets that are joined step by step.
-struct Parts(Vec<u32>);
-
-impl Parts {
-    fn root(&mut self, mut node: u32) -> u32 {
-        while self.0[node as usize] != node {
-            let above = self.0[self.0[node as usize] as usize];
-            self.0[node as usize] = above;
-            node = above;
-        }
-        node
-    }
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
-}
-
 impl Model {
     /// Refuses constraints without a static form, and parts that supports, springs and ties leave
     /// a rigid motion.
     pub(super) fn check_static(&self) -> Result<(), StaticError> {
-        if let Some(bound) = self.constraints.first() {
-            return Err(StaticError::Constraint {
-                name: bound.constraint.name().into(),
-            });
-        }
+        self.check_joints()?;
         let count = self.mesh.node_count();
-        let mut parts = Parts((0..count as u32).collect());
+        let mut parts = Parts::new(count);
         for block in &self.blocks {
             for &element in block.elements() {
                 if (element as usize) < self.mesh.element_count() {
@@ -57,6 +35,7 @@ impl Model {
                 }
             }
         }
+        self.each_held_pair(|a, b| parts.join(a, b));
         let of_mesh = |engine: u32| self.numbering.mesh_of[engine as usize];
         let known = |node: u32| (node as usize) < count;
         for group in &self.groups.groups {
@@ -102,6 +81,10 @@ impl Model {
 
         let mut first_of = std::collections::BTreeMap::<u32, (u32, usize)>::new();
         for element in 0..self.mesh.element_count() as u32 {
+            let (block, _) = self.place_of_element[element as usize];
+            if block as usize >= self.blocks.len() {
+                continue;
+            }
             let root = parts.root(self.mesh.nodes_of(element)[0]);
             first_of.entry(root).or_insert((element, 0)).1 += 1;
         }

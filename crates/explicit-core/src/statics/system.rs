@@ -1,12 +1,13 @@
 //! A model as a system of equations in the displacements of its free nodes.
 
-use powerhouse_model::{BlockContext, Mat3, Operator, Quad, Vec3};
+use powerhouse_model::{Mat3, Operator, Quad, Vec3};
 use rayon::prelude::*;
 
 use super::StaticError;
 use crate::Model;
-use crate::applied::split;
+use crate::groups::Group;
 use crate::nodes::{Storage, with_nodes};
+use crate::spectrum::norm;
 
 /// A model at rest, with the inverse nodal diagonals of its elastic operator.
 ///
@@ -14,6 +15,8 @@ use crate::nodes::{Storage, with_nodes};
 /// lead's counts, in the free directions, the others are zero.
 pub(super) struct System<'a> {
     model: &'a mut Model,
+    /// The model's groups, those that ties and joints hold together as one.
+    groups: Vec<Group>,
     /// Inverse of the diagonal, zero where nothing is free (m/N).
     inverse: Vec<Mat3>,
     linear: bool,
@@ -31,18 +34,29 @@ impl<'a> System<'a> {
                 diagonal[node as usize] += own;
             }
         }
-        for group in &model.groups.groups {
+        let groups = model.joined_groups()?;
+        let mut group_of = vec![None; model.mass.len()];
+        for group in &groups {
             let members = group.members.iter();
             let sum: Mat3 = members.map(|&node| diagonal[node as usize]).sum();
             for &node in &group.members {
                 diagonal[node as usize] = Mat3::zeros();
+                group_of[node as usize] = Some(group);
             }
             diagonal[group.members[0] as usize] = sum + group.spring;
         }
         let mut inverse = Vec::with_capacity(diagonal.len());
         for (node, diagonal) in diagonal.iter().enumerate() {
-            let group = model.group_of[node].map(|g| &model.groups.groups[g as usize]);
+            let group = group_of[node];
             if group.is_some_and(|group| group.members[0] as usize != node) {
+                inverse.push(Mat3::zeros());
+                continue;
+            }
+            let massless = match group {
+                Some(group) => group.mass == 0.0,
+                None => model.mass[node] == 0.0,
+            };
+            if massless {
                 inverse.push(Mat3::zeros());
                 continue;
             }
@@ -58,6 +72,7 @@ impl<'a> System<'a> {
         let linear = model.blocks.iter().all(|block| block.history().is_empty());
         Ok(Self {
             model,
+            groups,
             inverse,
             linear,
         })
@@ -74,65 +89,43 @@ impl<'a> System<'a> {
         nodes.map(|node| self.model.displacement_of(node)).collect()
     }
 
-    /// The applied forces at the present time (N).
-    pub(super) fn external(&mut self) -> Vec<Vec3> {
+    /// The applied forces at the present time (N), less those that the initial stress asks for, and
+    /// the size of the larger of the two.
+    pub(super) fn external(&mut self) -> (Vec<Vec3>, f64) {
         let model = &mut *self.model;
-        model.loads.evaluate(model.time);
-        let mut sums = vec![Quad::<f64>::default(); model.mass.len()];
-        model.loads.sums.write_plain(&mut sums);
-        let mut forces: Vec<Vec3> = sums.iter().map(|sum| sum.to_vector()).collect();
-        for (g, group) in model.groups.groups.iter().enumerate() {
-            forces[group.members[0] as usize] = model.loads.sums.on_group(g);
-        }
-        model.reduce(&mut forces);
-        forces
+        let mut forces = vec![Vec3::zeros(); model.mass.len()];
+        model.loads.add_all(model.time, &mut forces);
+        let mut asked = model.forces_of_initial_stress();
+        self.reduce(&mut forces);
+        self.reduce(&mut asked);
+        let size = norm(&forces).max(norm(&asked));
+        (forces.par_iter_mut().zip(&asked)).for_each(|(force, asked)| *force -= asked);
+        (forces, size)
     }
 
-    /// The leads of groups with a prescribed motion, and what they have yet to move (m).
+    /// The nodes of groups with a prescribed motion, and what they have yet to move (m).
     pub(super) fn prescribed_change(&self, u: &[Vec3]) -> Vec<(usize, Vec3)> {
-        let model = &*self.model;
-        let motions = model.prescribed_values();
-        let change = |&g: &u32| {
-            let group = &model.groups.groups[g as usize];
+        let motions = self.model.prescribed_values();
+        let driven = |group: &&Group| !group.condition.prescribed.is_empty();
+        let change = |group: &Group| {
             let lead = group.members[0] as usize;
             let rest: Vec<f64> = (group.condition.prescribed.iter())
                 .map(|&(direction, motion)| motions[motion] - direction.dot(&u[lead]))
                 .collect();
-            (lead, group.condition.along(&rest))
+            let along = group.condition.along(&rest);
+            let members = group.members.iter();
+            members
+                .map(|&node| (node as usize, along))
+                .collect::<Vec<_>>()
         };
-        model.groups.driven.iter().map(change).collect()
+        let groups = self.groups.iter().filter(driven);
+        groups.flat_map(change).collect()
     }
 
     /// Computes the internal forces of a displacement, and the history that goes with them.
     pub(super) fn forces(&mut self, u: &[Vec3]) -> Result<(), StaticError> {
-        let model = &mut *self.model;
-        let when = (model.number, model.time, 0.0);
-        let (blocks, lengths) = (&mut model.blocks, &model.lengths);
-        let fault = with_nodes!(&mut model.nodes, arrays => {
-            put(&mut arrays.displacement, u);
-            let context = BlockContext::new(
-                when,
-                Storage::view(&arrays.displacement),
-                Storage::view(&arrays.velocity),
-            );
-            let buffers = split(&mut arrays.forces, lengths);
-            blocks
-                .par_iter_mut()
-                .zip(buffers)
-                .with_max_len(1)
-                .find_map_first(|(block, buffer)| {
-                    let fault = block.forces(&context, Storage::view_mut(buffer)).err()?;
-                    Some((block.label().to_string(), fault))
-                })
-        });
-        match fault {
-            None => Ok(()),
-            Some((set, fault)) => Err(StaticError::Element {
-                element: model.element_tag(fault.element),
-                set,
-                reason: fault.reason,
-            }),
-        }
+        with_nodes!(&mut self.model.nodes, arrays => put(&mut arrays.displacement, u));
+        self.model.forces_at_rest(0.0)
     }
 
     /// What of the applied forces the last internal forces and the springs do not balance (N).
@@ -147,28 +140,24 @@ impl<'a> System<'a> {
         });
         for (group, origin) in model.groups.groups.iter().zip(&model.groups.origin) {
             let lead = group.members[0] as usize;
-            let sum: Vec3 = group.members.iter().map(|&m| internal[m as usize]).sum();
-            internal[lead] = sum + group.spring * (u[lead] - origin);
+            internal[lead] += group.spring * (u[lead] - origin);
         }
-        let mut rest: Vec<Vec3> = (applied.par_iter().zip(&internal))
-            .map(|(f, r)| f - r)
-            .collect();
-        model.reduce(&mut rest);
+        let mut rest = internal;
+        (rest.par_iter_mut().zip(applied)).for_each(|(r, f)| *r = f - *r);
+        self.reduce(&mut rest);
         rest
     }
 
     /// The elastic operator, springs included, times a reduced vector.
     pub(super) fn product(&mut self, vector: &[Vec3]) -> Vec<Vec3> {
-        let model = &mut *self.model;
         let mut spread = vector.to_vec();
-        model.spread(&mut spread);
-        let mut product = model.elastic_product(&spread, &|_| 1.0);
-        for group in &model.groups.groups {
+        self.spread(&mut spread);
+        let mut product = self.model.elastic_product(&spread, &|_| 1.0);
+        for group in &self.groups {
             let lead = group.members[0] as usize;
-            let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
-            product[lead] = sum + group.spring * vector[lead];
+            product[lead] += group.spring * vector[lead];
         }
-        model.reduce(&mut product);
+        self.reduce(&mut product);
         product
     }
 
@@ -180,7 +169,27 @@ impl<'a> System<'a> {
 
     /// Gives the members of groups the entry of their lead.
     pub(super) fn spread(&self, vector: &mut [Vec3]) {
-        self.model.spread(vector);
+        for group in &self.groups {
+            for &member in &group.members[1..] {
+                vector[member as usize] = vector[group.members[0] as usize];
+            }
+        }
+    }
+
+    /// Gives the leads of groups the sum of their members, restricted to the free directions, and
+    /// nodes without mass nothing.
+    fn reduce(&self, vector: &mut [Vec3]) {
+        for &orphan in &self.model.orphans {
+            vector[orphan as usize] = Vec3::zeros();
+        }
+        for group in &self.groups {
+            let members = group.members.iter();
+            let sum: Vec3 = members.map(|&member| vector[member as usize]).sum();
+            for &member in &group.members[1..] {
+                vector[member as usize] = Vec3::zeros();
+            }
+            vector[group.members[0] as usize] = group.condition.free(sum);
+        }
     }
 
     /// Makes the history of the last forces the committed one.

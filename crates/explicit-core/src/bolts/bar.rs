@@ -1,0 +1,378 @@
+//! A bar in its grout, along one axis.
+
+use super::{BoltEnd, BoltParameters, Grout};
+
+/// One bolt: segments one behind the other, each with two points in the rock.
+#[derive(Clone, Debug)]
+pub(super) struct Bar {
+    /// Axial stiffness of each segment, `E A / l` (N/m).
+    stiffness: Vec<f64>,
+    lengths: Vec<f64>,
+    yield_force: f64,
+    pretension: f64,
+    grout: Option<Grout>,
+}
+
+/// What a bar remembers, segment by segment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct BarState {
+    /// Elongation that does not come back (m).
+    pub(super) plastic: Vec<f64>,
+    /// Slip of the grout at the two ends that does not come back (m).
+    pub(super) slip: Vec<[f64; 2]>,
+    /// Axial force (N).
+    pub(super) force: Vec<f64>,
+    /// Force of the grout at the two ends (N).
+    pub(super) grout: Vec<[f64; 2]>,
+    /// Dissipated so far (J).
+    pub(super) spent: f64,
+}
+
+/// Corrections along a bolt before it counts as unsolved.
+const MOST_CORRECTIONS: usize = 500;
+/// How often a step along it is halved.
+const MOST_HALVINGS: usize = 60;
+/// The share of the first slope of the energy that counts as none.
+const FLAT: f64 = 1.0e-3;
+/// Of the elastic stiffness, what a yielding bar or grout has left for the corrections alone.
+const LEAST_TANGENT: f64 = 1.0e-7;
+/// Forces out of balance along the bolt over its largest force.
+const BALANCED: f64 = 1.0e-12;
+/// The same where corrections do not lower them any more.
+const NEARLY_BALANCED: f64 = 1.0e-9;
+
+impl Bar {
+    pub(super) fn new(parameters: &BoltParameters, lengths: Vec<f64>) -> Self {
+        let axial = parameters.young * parameters.area;
+        Self {
+            stiffness: lengths.iter().map(|length| axial / length).collect(),
+            lengths,
+            yield_force: parameters.yield_force,
+            pretension: parameters.pretension,
+            grout: parameters.grout,
+        }
+    }
+
+    /// The state of a bar that was just installed.
+    pub(super) fn installed(&self) -> BarState {
+        let count = self.lengths.len();
+        BarState {
+            plastic: vec![0.0; count],
+            slip: vec![[0.0; 2]; count],
+            force: vec![self.pretension; count],
+            grout: vec![[0.0; 2]; count],
+            spent: 0.0,
+        }
+    }
+
+    /// Held energy (J) of a state.
+    pub(super) fn stored(&self, state: &BarState) -> f64 {
+        let bars = state.force.iter().zip(&self.stiffness);
+        let mut energy: f64 = bars.map(|(force, k)| 0.5 * force * force / k).sum();
+        if let Some(grout) = &self.grout {
+            for (pair, length) in state.grout.iter().zip(&self.lengths) {
+                let stiffness = 0.5 * grout.stiffness * length;
+                energy += 0.5 * (pair[0] * pair[0] + pair[1] * pair[1]) / stiffness;
+            }
+        }
+        energy
+    }
+
+    /// Forces (N) along the axis at the two points of each segment that resist their axial
+    /// displacements `moved` (m) since the installation; writes the new state. Nothing if the bar
+    /// finds no balance.
+    pub(super) fn forces(
+        &self,
+        moved: &[[f64; 2]],
+        old: &BarState,
+        new: &mut BarState,
+        out: &mut [[f64; 2]],
+    ) -> Option<()> {
+        let places = match &self.grout {
+            None => None,
+            Some(grout) => Some(self.balance(grout, moved, old)?),
+        };
+        new.spent = old.spent;
+        for k in 0..self.lengths.len() {
+            let elongation = match &places {
+                None => moved[k][1] - moved[k][0],
+                Some(w) => w[k + 1] - w[k],
+            };
+            let trial = self.pretension + self.stiffness[k] * (elongation - old.plastic[k]);
+            let force = trial.clamp(-self.yield_force, self.yield_force);
+            let flow = (trial - force) / self.stiffness[k];
+            new.plastic[k] = old.plastic[k] + flow;
+            new.spent += 0.5 * (old.force[k] + force) * flow;
+            new.force[k] = force;
+            let (Some(grout), Some(w)) = (&self.grout, &places) else {
+                out[k] = [-force, force];
+                continue;
+            };
+            for end in 0..2 {
+                let (trial, held, stiffness) = self.grout_force(grout, (k, end), w, moved, old);
+                let flow = (trial - held) / stiffness;
+                new.slip[k][end] = old.slip[k][end] + flow;
+                new.spent += 0.5 * (old.grout[k][end] + held) * flow;
+                new.grout[k][end] = held;
+                out[k][end] = -held;
+            }
+        }
+        if let Some(grout) = &self.grout {
+            let last = self.lengths.len() - 1;
+            if grout.head == BoltEnd::Anchored {
+                out[0][0] = -new.force[0];
+            }
+            if grout.toe == BoltEnd::Anchored {
+                out[last][1] = new.force[last];
+            }
+        }
+        Some(())
+    }
+
+    /// Force of the grout at an end of a segment as if it never slipped, as it is (N), and its
+    /// stiffness (N/m).
+    fn grout_force(
+        &self,
+        grout: &Grout,
+        (k, end): (usize, usize),
+        w: &[f64],
+        moved: &[[f64; 2]],
+        old: &BarState,
+    ) -> (f64, f64, f64) {
+        let half = 0.5 * self.lengths[k];
+        let stiffness = grout.stiffness * half;
+        let trial = stiffness * (w[k + end] - moved[k][end] - old.slip[k][end]);
+        let strength = grout.strength * half;
+        (trial, trial.clamp(-strength, strength), stiffness)
+    }
+
+    /// The axial displacement (m) of the bar between its segments, in balance with the grout.
+    ///
+    /// Newton's method on a convex energy that is quadratic by pieces: each step goes as far as the
+    /// energy falls.
+    fn balance(&self, grout: &Grout, moved: &[[f64; 2]], old: &BarState) -> Option<Vec<f64>> {
+        let count = self.lengths.len();
+        let mut w: Vec<f64> = (0..=count)
+            .map(|i| {
+                let before = i.checked_sub(1).map(|k| moved[k][1]);
+                let after = moved.get(i).map(|ends| ends[0]);
+                match (before, after) {
+                    (Some(a), Some(b)) => 0.5 * (a + b),
+                    (a, b) => a.or(b).unwrap_or(0.0),
+                }
+            })
+            .collect();
+        let mut system = Tridiagonal::new(count + 1);
+        system.held = [
+            grout.head == BoltEnd::Anchored,
+            grout.toe == BoltEnd::Anchored,
+        ];
+        let mut best = f64::INFINITY;
+        for _ in 0..MOST_CORRECTIONS {
+            let scale = self.assemble(grout, &w, moved, old, &mut system);
+            let size = system.size();
+            let nearly = size <= NEARLY_BALANCED * scale && size >= 0.5 * best;
+            if size <= BALANCED * scale || nearly {
+                return Some(w);
+            }
+            best = best.min(size);
+            let step = system.solve();
+            let tried = |share: f64| -> Vec<f64> {
+                w.iter().zip(&step).map(|(w, s)| w + share * s).collect()
+            };
+            let mut power = |share: f64| {
+                self.assemble(grout, &tried(share), moved, old, &mut system);
+                system.power(&step)
+            };
+            let first = power(0.0);
+            let (mut low, mut high) = (0.0, 1.0);
+            let mut share = 1.0;
+            for _ in 0..MOST_HALVINGS {
+                let now = power(share);
+                if now >= 0.0 {
+                    low = share;
+                } else {
+                    high = share;
+                }
+                if share == 1.0 && now >= 0.0 || now.abs() <= FLAT * first {
+                    break;
+                }
+                share = 0.5 * (low + high);
+            }
+            w = tried(share);
+        }
+        None
+    }
+
+    /// Fills tangent and forces out of balance; yields the size of the forces in play (N).
+    fn assemble(
+        &self,
+        grout: &Grout,
+        w: &[f64],
+        moved: &[[f64; 2]],
+        old: &BarState,
+        system: &mut Tridiagonal,
+    ) -> f64 {
+        system.clear();
+        let mut scale = f64::MIN_POSITIVE;
+        for k in 0..self.lengths.len() {
+            let stiffness = self.stiffness[k];
+            let trial = self.pretension + stiffness * (w[k + 1] - w[k] - old.plastic[k]);
+            let force = trial.clamp(-self.yield_force, self.yield_force);
+            let tangent = if force == trial {
+                stiffness
+            } else {
+                stiffness * LEAST_TANGENT
+            };
+            scale = scale.max(force.abs());
+            system.rest[k] += force;
+            system.rest[k + 1] -= force;
+            system.diagonal[k] += tangent;
+            system.diagonal[k + 1] += tangent;
+            system.beside[k] -= tangent;
+            for end in 0..2 {
+                let (trial, held, stiffness) = self.grout_force(grout, (k, end), w, moved, old);
+                scale = scale.max(held.abs());
+                system.rest[k + end] -= held;
+                system.diagonal[k + end] += if held == trial {
+                    stiffness
+                } else {
+                    stiffness * LEAST_TANGENT
+                };
+            }
+        }
+        system.hold_ends();
+        scale
+    }
+
+    /// The forces (N) at the two points of each segment under the elastic stiffness.
+    pub(super) fn elastic(&self, moved: &[[f64; 2]], out: &mut [[f64; 2]]) {
+        let free = Self {
+            yield_force: f64::INFINITY,
+            pretension: 0.0,
+            grout: self.grout.map(|grout| Grout {
+                strength: f64::INFINITY,
+                ..grout
+            }),
+            stiffness: self.stiffness.clone(),
+            lengths: self.lengths.clone(),
+        };
+        let mut new = free.installed();
+        let old = free.installed();
+        if free.forces(moved, &old, &mut new, out).is_none() {
+            out.fill([0.0; 2]);
+        }
+    }
+}
+
+/// A symmetric tridiagonal system of equations.
+struct Tridiagonal {
+    diagonal: Vec<f64>,
+    beside: Vec<f64>,
+    rest: Vec<f64>,
+    /// Whether the first and the last unknown stay as they are.
+    held: [bool; 2],
+}
+
+impl Tridiagonal {
+    fn new(count: usize) -> Self {
+        Self {
+            diagonal: vec![0.0; count],
+            beside: vec![0.0; count - 1],
+            rest: vec![0.0; count],
+            held: [false; 2],
+        }
+    }
+    fn clear(&mut self) {
+        self.diagonal.fill(0.0);
+        self.beside.fill(0.0);
+        self.rest.fill(0.0);
+    }
+    /// Takes the unknowns that are held out of the equations.
+    fn hold_ends(&mut self) {
+        let last = self.diagonal.len() - 1;
+        for (place, beside) in [(0, 0), (last, last - 1)] {
+            if self.held[usize::from(place > 0)] {
+                self.diagonal[place] = 1.0;
+                self.rest[place] = 0.0;
+                self.beside[beside] = 0.0;
+            }
+        }
+    }
+    /// Norm of what is out of balance.
+    fn size(&self) -> f64 {
+        self.rest.iter().map(|rest| rest * rest).sum::<f64>().sqrt()
+    }
+    /// What is out of balance times a step: how fast the energy falls along it.
+    fn power(&self, step: &[f64]) -> f64 {
+        self.rest.iter().zip(step).map(|(r, s)| r * s).sum()
+    }
+    /// The solution, by elimination without pivots: the matrix is positive definite.
+    fn solve(&self) -> Vec<f64> {
+        let count = self.diagonal.len();
+        let (mut diagonal, mut rest) = (self.diagonal.clone(), self.rest.clone());
+        for i in 1..count {
+            let factor = self.beside[i - 1] / diagonal[i - 1];
+            diagonal[i] -= factor * self.beside[i - 1];
+            rest[i] -= factor * rest[i - 1];
+        }
+        rest[count - 1] /= diagonal[count - 1];
+        for i in (0..count - 1).rev() {
+            rest[i] = (rest[i] - self.beside[i] * rest[i + 1]) / diagonal[i];
+        }
+        rest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grouted(lengths: Vec<f64>, ends: BoltEnd) -> Bar {
+        let parameters = BoltParameters {
+            yield_force: 200.0e3,
+            grout: Some(Grout {
+                stiffness: 1.0e9,
+                strength: 4.0e5,
+                head: ends,
+                toe: ends,
+            }),
+            ..BoltParameters::steel(0.025).unwrap()
+        };
+        Bar::new(&parameters, lengths)
+    }
+
+    /// The dissipated and the held energy of a bar that is drawn through its grout are the work
+    /// of its forces, to rounding, step by step, whether it or the grout yields.
+    #[test]
+    fn energies_of_a_bar_are_its_work() {
+        for ends in [BoltEnd::Free, BoltEnd::Anchored] {
+            let bar = grouted(vec![0.25; 12], ends);
+            let mut old = bar.installed();
+            let (mut before, mut moved) = (vec![[0.0; 2]; 12], vec![[0.0; 2]; 12]);
+            let mut work = 0.0;
+            for step in 1..60 {
+                let opened = 2.0e-2 * (0.2 * f64::from(step)).sin();
+                let last = moved.clone();
+                for (k, ends) in moved.iter_mut().enumerate() {
+                    *ends = if k < 6 { [0.0; 2] } else { [opened; 2] };
+                }
+                let (mut new, mut out) = (old.clone(), vec![[0.0; 2]; 12]);
+                bar.forces(&moved, &old, &mut new, &mut out).unwrap();
+                for k in 0..12 {
+                    for end in 0..2 {
+                        let mean = 0.5 * (out[k][end] + before[k][end]);
+                        work += mean * (moved[k][end] - last[k][end]);
+                    }
+                }
+                let energy = bar.stored(&new) + new.spent;
+                assert!(
+                    (energy - work).abs() < 1e-9 * new.spent.max(1.0),
+                    "{energy} {work}"
+                );
+                (old, before) = (new, out);
+            }
+            assert!(old.spent > 100.0);
+        }
+    }
+}
