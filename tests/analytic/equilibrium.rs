@@ -259,7 +259,7 @@ fn rock_yields_around_a_hole() {
         state.initial_stress = vec![pressed; mesh.element_count()];
         model.set_state(&state).unwrap();
         let options = StaticOptions::default()
-            .with_tolerance(1.0e-6)
+            .with_tolerance(1.0e-8)
             .with_increments(4);
         let report = model.equilibrate(&options, &mut |_| {}).unwrap();
         let wall = nodes("left")

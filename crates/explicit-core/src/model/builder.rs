@@ -4,20 +4,19 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     BoundaryParts, BuildBlock, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad,
-    NodalView, Numbering, State, TimeFunction, Vec3,
+    Numbering, State, TimeFunction, Vec3,
 };
-use rayon::prelude::*;
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
-use super::start::{Embedded, Start};
+use super::solids::{Solids, build_blocks, places};
+use super::start::Start;
 use super::{Bound, Model};
 use crate::applied::AppliedLoads;
 use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
 use crate::loads::Weight;
 use crate::nodes::{NodalArrays, Nodes};
-use crate::partition::partition;
-use crate::{BlockFactory, BlockPart, EngineError, PeriodicPairs, Precision, Prescribed, Support};
+use crate::{BlockFactory, EngineError, PeriodicPairs, Precision, Prescribed, Support};
 
 /// Which elements: a named set, or mesh indices.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +56,7 @@ pub struct ModelBuilder<'a> {
     weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
     boundaries: Vec<BoundaryParts>,
     constraints: Vec<Box<dyn Constraint>>,
-    embedded: Vec<Embedded>,
+    embedded: Vec<BuildBlock>,
     start: Start,
     threads: Option<usize>,
     part_size: Option<usize>,
@@ -148,7 +147,7 @@ impl<'a> ModelBuilder<'a> {
     /// free of force, but for what it brings along, at the present displacement.
     #[must_use]
     pub fn embed(mut self, build: BuildBlock) -> Self {
-        self.embedded.push(Embedded { build });
+        self.embedded.push(build);
         self
     }
     /// Computes with this many threads of the model's own instead of all; the results have the
@@ -190,7 +189,7 @@ impl<'a> ModelBuilder<'a> {
         let place_of_element = places(mesh, &blocks);
         let embedded_from = blocks.len();
         let embedded = self.embedded.into_iter();
-        blocks.extend(embedded.map(|block| (block.build)(&numbering)));
+        blocks.extend(embedded.map(|build| build(&numbering)));
         let boundary_from = blocks.len();
         let mut boundary_loads = Vec::new();
         let mut impedance = Vec::new();
@@ -303,65 +302,6 @@ impl<'a> ModelBuilder<'a> {
 
 pub(super) type ElementSet = (ElementChoice, Box<dyn BlockFactory>);
 
-/// The elements of the mesh as blocks.
-struct Solids {
-    numbering: Numbering,
-    blocks: Vec<Box<dyn ElementBlock>>,
-    /// Engine nodes whose elements are all absent, in rising order.
-    orphans: Vec<u32>,
-}
-
-/// Numbers the nodes and makes the blocks.
-fn build_blocks(
-    mesh: &Mesh,
-    sets: &[ElementSet],
-    start: &Start,
-    part_size: usize,
-) -> Result<Solids, ModelError> {
-    let absent = start.absent(mesh)?;
-    let pieces = start.pieces(mesh, sets, &absent)?;
-    let lists: Vec<&[u32]> = pieces.iter().map(|piece| &*piece.elements).collect();
-    let factory = |piece: usize| sets[pieces[piece].set].1.as_ref();
-    let labels: Vec<&str> = (0..pieces.len()).map(|i| factory(i).label()).collect();
-    let division = partition(mesh, &labels, &lists, &absent, part_size)?;
-    for (piece, elements) in lists.iter().enumerate() {
-        let factory = factory(piece);
-        let other = elements.iter().find(|&&e| mesh.kind(e) != factory.kind());
-        if let Some(&element) = other {
-            return Err(EngineError::ElementKind {
-                element: mesh.element_tags()[element as usize],
-                set: factory.label().into(),
-                found: mesh.kind(element).name(),
-                expected: factory.kind().name(),
-            }
-            .into());
-        }
-    }
-    let engine_of = &division.numbering.engine_of;
-    let references: Vec<_> = pieces
-        .iter()
-        .map(|piece| piece.cast.map(|cast| start.reference(cast, engine_of)))
-        .collect();
-    let blocks: Result<Vec<_>, ModelError> = division
-        .parts
-        .par_iter()
-        .map(|part| {
-            let (elements, nodes) = (&part.elements, &part.nodes);
-            let part_of_mesh = BlockPart::new(mesh, elements, &division.numbering, nodes);
-            let mut block = factory(part.set).build(&part_of_mesh)?;
-            if let Some(reference) = &references[part.set] {
-                block.set_reference_displacement(NodalView::F64(reference));
-            }
-            Ok(block)
-        })
-        .collect();
-    Ok(Solids {
-        blocks: blocks?,
-        numbering: division.numbering,
-        orphans: division.orphans,
-    })
-}
-
 /// The coarsest arithmetic of any set; nodes in single precision suit no other sets.
 fn coarsest(sets: &[ElementSet]) -> Result<Precision, EngineError> {
     let with = |wanted: &dyn Fn(Precision) -> bool| {
@@ -443,19 +383,6 @@ fn slot_table(
         node_count,
         blocks.iter().map(|block| block.nodes()),
     ))
-}
-
-/// Block of each mesh element, and its place in the block; no block for elements that are absent.
-fn places(mesh: &Mesh, blocks: &[Box<dyn ElementBlock>]) -> Vec<(u32, u32)> {
-    let mut places = vec![(u32::MAX, 0); mesh.element_count()];
-    for (b, block) in blocks.iter().enumerate() {
-        for (place, &element) in block.elements().iter().enumerate() {
-            if let Some(entry) = places.get_mut(element as usize) {
-                *entry = (b as u32, place as u32);
-            }
-        }
-    }
-    places
 }
 
 /// Mass (kg) and mass damping (kg/s, empty if there is none) of every engine node.

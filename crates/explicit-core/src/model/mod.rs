@@ -4,6 +4,7 @@ mod builder;
 mod dynamics;
 mod motion;
 mod plan;
+mod solids;
 mod start;
 
 use std::sync::Arc;

@@ -2,17 +2,11 @@
 
 use std::borrow::Cow;
 
-use powerhouse_model::{BuildBlock, Mesh, MeshError, Quad, State, Vec3};
+use powerhouse_model::{Mesh, MeshError, Quad, State, Vec3};
 
 use super::builder::ElementSet;
 use super::{ElementChoice, Model};
 use crate::EngineError;
-
-/// A block that is not made of elements of the mesh, such as bolts.
-pub(super) struct Embedded {
-    /// Makes it.
-    pub(super) build: BuildBlock,
-}
 
 /// Elements that one factory makes, all cast at the same time.
 pub(super) struct Piece<'a> {

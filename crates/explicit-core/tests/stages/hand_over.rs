@@ -4,9 +4,14 @@ use powerhouse_explicit_core::{
     EnergyCheck, Leapfrog, Model, ModelBuilder, NodalForce, Precision, RunOptions, StaticError,
     StaticOptions, run,
 };
-use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, State, StepView, Vec3};
+use powerhouse_model::{
+    Cadence, ConstitutiveLaw, ElasticMedium, Fields, Flow, HistoryVariable, Lane, LawInput, Mesh,
+    ModelError, Observer, State, StepView, Stress, Vec3,
+};
 
-use super::{GRAVITY, absorbing, bent_box, elastic_body, face_nodes, largest, on_rollers, weak};
+use super::{
+    BRICK, GRAVITY, absorbing, bent_box, elastic_body, face_nodes, largest, on_rollers, rock, weak,
+};
 
 const DISTANCE: f64 = 20.0;
 
@@ -181,6 +186,61 @@ fn what_no_longer_holds_is_refused() {
     assert!(matches!(
         holed.hand_over(1.0e-3),
         Err(StaticError::NotHeld { .. })
+    ));
+}
+
+/// Elastic, but softer in a motion than at rest.
+#[derive(Clone)]
+struct Relaxing {
+    medium: ElasticMedium,
+    share: f64,
+}
+
+impl ConstitutiveLaw for Relaxing {
+    fn name(&self) -> &str {
+        "relaxing"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.medium
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        &[]
+    }
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
+        let number = |value: f64| input.strain.0[0].constant(self.share * value);
+        let (lambda, shear) = (self.medium.lambda(), self.medium.shear());
+        Stress::elastic(number(lambda), number(shear), &input.strain)
+    }
+    fn for_step(&self, length: f64) -> Self {
+        let share = if length > 0.0 { 0.9 } else { 1.0 };
+        Self {
+            share,
+            ..self.clone()
+        }
+    }
+}
+
+/// A law whose stress is another one in steps than at rest is refused with its set: the static
+/// stress would not stay.
+#[test]
+fn a_law_that_would_forget_the_static_stress_is_refused() {
+    let mesh = block();
+    let body = || {
+        let law = Relaxing {
+            medium: rock(),
+            share: 1.0,
+        };
+        Model::builder(&mesh).elements("ground", BRICK.factory("ground", law, Default::default()))
+    };
+    let state = at_rest(&mesh, body(), 1.0e-8);
+    let mut model = absorbing(&mesh, body(), DISTANCE)
+        .gravity(GRAVITY, Box::new(|_: f64| 1.0))
+        .start(state)
+        .build()
+        .unwrap();
+    assert!(matches!(
+        model.hand_over(1.0e-3),
+        Err(StaticError::Relaxes { set }) if set == "ground"
     ));
 }
 

@@ -5,6 +5,7 @@ mod excavation;
 mod hand_over;
 mod initial_stress;
 mod kirsch;
+mod ties;
 
 use powerhouse_explicit_core::{
     BlockFactory, BlockOptions, Hex8OnePoint, Model, ModelBuilder, Precision, SolidKernel, Support,
