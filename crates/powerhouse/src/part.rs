@@ -45,15 +45,22 @@ impl Material {
     }
     /// A material that follows a law of which the elastic part is known, so that damping can stand
     /// in series with it ([`Damping::Flat`]).
-    pub fn in_series(law: impl ElasticInSeries) -> Self {
+    pub fn in_series<M: ElasticInSeries>(law: M) -> Self {
         let undamped = law.clone();
         let damped = move |spectrum, reference| {
             let damped = FlatDamping::new(undamped.clone(), spectrum, reference)?;
             Ok(Self::new(damped))
         };
+        // Laws are large; those that are compiled for damping serve without it too. What is linear
+        // without damping is better off as it is.
+        let bare = if const { M::LINEAR } {
+            Self::new(law)
+        } else {
+            Self::new(FlatDamping::none(law))
+        };
         Self {
             damped: Some(Arc::new(damped)),
-            ..Self::new(law)
+            ..bare
         }
     }
     /// The same with what a user should know of its parameters, such as

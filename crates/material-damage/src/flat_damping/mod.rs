@@ -101,7 +101,8 @@ pub struct FlatDamping<M> {
     reference: M,
     /// The law that is asked: with other moduli in a step.
     asked: M,
-    spectrum: Arc<RelaxationSpectrum>,
+    /// None for a law that is not damped.
+    spectrum: Option<Arc<RelaxationSpectrum>>,
     /// Static moduli relative to those of the law as it was given.
     relaxed: f64,
     medium: ElasticMedium,
@@ -157,23 +158,40 @@ impl<M: ElasticInSeries> FlatDamping<M> {
             medium: unrelaxed.medium(),
             asked: law.clone(),
             reference: law,
-            spectrum: Arc::new(spectrum),
+            spectrum: Some(Arc::new(spectrum)),
             relaxed,
             variables: variables.into(),
             terms: None,
         })
     }
+    /// The law as it is, of the same type: programs that choose at run time whether a law is damped
+    /// compile it once.
+    pub fn none(law: M) -> Self {
+        Self {
+            medium: law.medium(),
+            asked: law.clone(),
+            spectrum: None,
+            relaxed: 1.0,
+            variables: law.history().into(),
+            terms: None,
+            reference: law,
+        }
+    }
     /// The law without damping.
     pub fn law(&self) -> &M {
         &self.reference
     }
-    /// The mechanisms.
-    pub fn spectrum(&self) -> &RelaxationSpectrum {
-        &self.spectrum
+    /// The mechanisms; none if the law is not damped.
+    pub fn spectrum(&self) -> Option<&RelaxationSpectrum> {
+        self.spectrum.as_deref()
     }
     /// The speed of waves at a frequency (Hz), relative to that of the law's own medium.
     pub fn velocity(&self, frequency: f64) -> f64 {
-        self.relaxed.sqrt() * self.spectrum.velocity(frequency)
+        let of_spectrum = |spectrum: &RelaxationSpectrum| spectrum.velocity(frequency);
+        self.relaxed.sqrt() * self.spectrum().map_or(1.0, of_spectrum)
+    }
+    fn mechanisms(&self) -> &[Mechanism] {
+        self.spectrum().map_or(&[], RelaxationSpectrum::mechanisms)
     }
 }
 
@@ -189,7 +207,7 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     }
     #[inline(always)]
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
-        let own = new_history.len() - 6 * self.spectrum.mechanisms().len();
+        let own = new_history.len() - 6 * self.mechanisms().len();
         let (of_law, relaxing) = new_history.split_at_mut(own);
         let (law_before, before) = input.history.split_at(own);
         // One place that asks the law: it is compiled once.
@@ -221,7 +239,7 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     /// gives back. The rest of the work is with the mechanisms.
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
-        let own = new_history.len() - 6 * self.spectrum.mechanisms().len();
+        let own = new_history.len() - 6 * self.mechanisms().len();
         let (law_before, before) = input.history.split_at(own);
         let mut asked = input.with_history(law_before);
         if let Some(terms) = &self.terms {
@@ -231,7 +249,7 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     }
     /// That of the law for the strain less its viscous part, which a step does not change.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
-        let own = input.history.len() - 6 * self.spectrum.mechanisms().len();
+        let own = input.history.len() - 6 * self.mechanisms().len();
         let (law_before, before) = input.history.split_at(own);
         let mut asked = input.with_history(law_before);
         if let Some(terms) = &self.terms {
@@ -240,19 +258,19 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
         self.asked.tangent(&asked)
     }
     fn relaxes(&self) -> bool {
-        true
+        self.spectrum.is_some()
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         self.reference.accept_size(size)
     }
     fn for_step(&self, step: f64) -> Self {
         let mut law = self.clone();
-        if step <= 0.0 {
+        if step <= 0.0 || self.spectrum.is_none() {
             law.terms = None;
             law.asked = self.reference.clone();
             return law;
         }
-        let mechanisms = self.spectrum.mechanisms();
+        let mechanisms = self.mechanisms();
         let mut terms = Terms {
             count: mechanisms.len(),
             viscous: [0.0; MOST_MECHANISMS],

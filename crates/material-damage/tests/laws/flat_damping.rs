@@ -175,7 +175,7 @@ fn the_discrete_point_is_damped_evenly() {
         assert!((ratio - 0.05).abs() < 0.005, "{frequency}: {ratio}");
         assert!((speed / law.velocity(frequency) - 1.0).abs() < 1.0e-3);
     }
-    let centre = law.spectrum().centre();
+    let centre = law.spectrum().unwrap().centre();
     assert!((law.velocity(centre) - 1.0).abs() < 1.0e-12);
 }
 
@@ -331,4 +331,32 @@ fn impossible_bands_are_refused() {
     let law = LinearElastic::new(media::ROCK);
     let refused = FlatDamping::new(law, spectrum, ReferenceFrequency::At(0.0));
     assert_eq!(refused.unwrap_err().name, "reference");
+}
+
+/// A law that is of the damped type but not damped is the law itself to the last bit, in steps too:
+/// medium, history, energy and tangent.
+#[test]
+fn without_damping_the_law_is_as_it_is() {
+    let law = presets::paper_concrete().unwrap();
+    let bare = FlatDamping::none(law);
+    assert_eq!(bare.medium(), law.medium());
+    assert_eq!(bare.history(), law.history());
+    assert!(bare.spectrum().is_none() && bare.velocity(3.0) == 1.0);
+    let mut random = Random(17);
+    for other in [bare.clone(), bare.for_step(1.0e-3)] {
+        assert!(!other.relaxes());
+        let mut old = [0.0; 13];
+        for _ in 0..100 {
+            let strain = Strain(random.six().map(|x| 3.0e-4 * x));
+            let (mut new, mut same) = (old, old);
+            let input = LawInput::new(strain, &old).with_size(0.2);
+            let stress = law.stress_change(&input, &mut new);
+            assert_eq!(other.stress_change(&input, &mut same), stress);
+            assert_eq!(same, new);
+            assert_eq!(other.energy(&input, &same), law.energy(&input, &new));
+            assert_eq!(other.tangent(&input), law.tangent(&input));
+            old = new;
+        }
+        assert!(old[8] > 0.0);
+    }
 }
