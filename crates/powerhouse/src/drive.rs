@@ -312,11 +312,15 @@ impl PointTest {
         columns
     }
 
-    /// The component whose strain goes furthest.
+    /// The component with the largest product of greatest strain and greatest stress: a side that is
+    /// free may go further than the axis that is led.
     fn component(&self) -> usize {
         let reach = |i: usize| {
-            let strains = self.records.iter().map(|record| record.strain.0[i].abs());
-            strains.fold(0.0, f64::max)
+            let greatest = |number: fn(&PointRecord, usize) -> f64| {
+                let numbers = self.records.iter().map(|record| number(record, i).abs());
+                numbers.fold(0.0, f64::max)
+            };
+            greatest(|record, i| record.strain.0[i]) * greatest(|record, i| record.stress.0[i])
         };
         (0..6)
             .rev()
@@ -324,8 +328,7 @@ impl PointTest {
             .unwrap_or(0)
     }
 
-    /// The name of the component whose strain goes furthest and the least and greatest stress (Pa)
-    /// of it.
+    /// The name of the component that takes most and the least and greatest stress (Pa) of it.
     pub fn extremes(&self) -> (&'static str, [f64; 2]) {
         let i = self.component();
         let stresses = self.records.iter().map(|record| record.stress.0[i]);
@@ -334,7 +337,7 @@ impl PointTest {
         (COMPONENTS[i], extremes)
     }
 
-    /// Writes the columns as CSV, and the stress against the strain that goes furthest as SVG, with
+    /// Writes the columns as CSV, and the stress of the component that takes most against its strain as SVG, with
     /// the amounts that the law remembers below it; returns both files, `point.csv` and
     /// `point.svg`.
     ///

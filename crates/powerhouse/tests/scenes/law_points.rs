@@ -52,7 +52,9 @@ fn every_law_is_driven() {
     let keys_of = |law: &str| match law {
         "elastic" => rock.to_owned(),
         "hoek-brown" => {
-            format!("{rock}intact_strength = 6e7\nintact_constant = 12\nstrength_index = 55\n")
+            format!(
+                "{rock}intact_strength = 6e7\nintact_constant = 12\nstrength_index = 55\ndilation_share = 1\n"
+            )
         }
         _ => "preset = \"paper-c25\"\n".to_owned(),
     };

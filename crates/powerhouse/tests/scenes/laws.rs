@@ -398,6 +398,15 @@ fn elements_that_snap_back_are_refused() {
     let told = fault.to_string();
     // The material of the part.
     assert_eq!(fault.position(), (12, 12), "{told}");
+    // A cut through such elements, which looks at them first, changes nothing.
+    let cut = "\n[[output.section]]\nname = \"wall\"\nset = \"rock\"\nat = [160, 150, -10]\nnormal = [1, 0, 0]\nalong = [0, 1, 0]\n";
+    let text = CUBE.replacen(ELASTIC, keys, 1) + cut;
+    let path = variants.0.0.join("cube.toml");
+    let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default());
+    let Err(Error::Scene(fault)) = scene.unwrap().prepare() else {
+        panic!("a cut makes a cube of 50 m elements acceptable");
+    };
+    assert_eq!(fault.position(), (12, 12), "{fault}");
     let twin = cube_scene_made_of(cube(), &["rock"], &Material::new(law));
     let Err(error) = twin.prepare() else {
         panic!("the twin is accepted");
