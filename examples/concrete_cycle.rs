@@ -29,8 +29,9 @@ use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 use powerhouse::material::{
     ConeFit, Control, DruckerPrager, DruckerPragerParameters, LeeFenves, LeeFenvesParameters,
     Mazars, MazarsParameters, MazarsTension, MohrCoulomb, MohrCoulombParameters, PlasticDamage,
-    PlasticDamageParameters, PointDriver, PointRecord, Softening, TwoSurface, TwoSurfaceParameters,
-    YieldSurface, presets,
+    PlasticDamageParameters, PointDriver, PointRecord, Softening, SofteningPlasticity,
+    SofteningPlasticityParameters, StrengthFall, TwoSurface, TwoSurfaceParameters, YieldSurface,
+    presets,
 };
 use powerhouse::model::{ConstitutiveLaw, ElasticMedium};
 use powerhouse_examples::Figures;
@@ -182,6 +183,39 @@ fn bars<M: ConstitutiveLaw>(
     Ok(())
 }
 
+/// The share of strength that softening rock keeps.
+const RESIDUAL: f64 = 0.05;
+
+/// Bars of rock whose cohesion softens, pressed: the energy beyond what the residual strength takes.
+fn softening_bars(figures: &mut Figures) -> Outcome<()> {
+    let law = |share: f64| -> Outcome<SofteningPlasticity<MohrCoulomb>> {
+        let surface = MohrCoulomb::new(MohrCoulombParameters {
+            cohesion: 1.3e6 * share,
+            ..presets::PAPER_CONCRETE
+        })?;
+        Ok(SofteningPlasticity::new(SofteningPlasticityParameters {
+            surface,
+            fall: StrengthFall::FractureEnergy { energy: CRUSHING },
+            residual_strength: RESIDUAL,
+        })?)
+    };
+    let name = "concrete_cycle.objectivity.mohr_coulomb_softening.crushing";
+    let length = 2.0;
+    let strength = law(1.0)?.parameters().surface.uniaxial_compression();
+    let worst = deviation(name, &COUNTS, |count| {
+        let [weak, strong] = [law(1.0 - WEAKER)?, law(1.0)?];
+        // As `dissipated` leads it: this far, all of it plastic but for the residual stress.
+        let young = weak.medium().young;
+        let lasting = RESIDUAL * (1.0 - WEAKER) * strength;
+        let size = length / count as f64;
+        let shortened = strength / young + 8.0 * CRUSHING / (strength * size) - lasting / young;
+        let all = dissipated(weak, strong, (length, count), (CRUSHING, -strength))?;
+        Ok(all - lasting * shortened * size / CRUSHING)
+    })?;
+    figures.at_most(name, worst, 0.02);
+    Ok(())
+}
+
 /// Bars of Mazars' law, pulled: in compression it is not regularised.
 fn mazars_bars(
     figures: &mut Figures,
@@ -253,6 +287,8 @@ fn objectivity(figures: &mut Figures) -> Outcome<()> {
         })?)
     };
     bars(figures, "lee_fenves", law, strengths)?;
+
+    softening_bars(figures)?;
 
     let energy = CRACKING;
     let falling = MazarsTension::FallingStress { energy };
