@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Stress, array, each,
+    ParameterError, Stress, each,
 };
 
 use crate::dual::Dual;
@@ -307,10 +307,12 @@ impl ConstitutiveLaw for Mazars {
             new_history[variable] = value.select(damaged, old[variable]);
         }
         let left = one - damage;
-        Stress(array(|i| {
+        let mut nominal = change;
+        for i in 0..6 {
             let weakened = left * change.0[i] - damage * input.initial.0[i];
-            weakened.select(damaged, change.0[i])
-        }))
+            nominal.0[i] = weakened.select(damaged, change.0[i]);
+        }
+        nominal
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {

@@ -194,19 +194,19 @@ impl<S: YieldSurface> ElasticInSeries for PlasticDamage<S> {
 pub(crate) fn share_of_tension<L: Lane>(stress: &[L; 3]) -> L {
     let zero = stress[0].constant(0.0);
     let one = stress[0].constant(1.0);
-    let [a, b, c] = each(stress, |s| s.abs());
-    let all = a + b + c;
-    let [a, b, c] = each(stress, |s| s.max(zero));
+    let [a, b, c] = *stress;
+    let all = a.abs() + b.abs() + c.abs();
+    let pulled = a.max(zero) + b.max(zero) + c.max(zero);
     let some = zero.less(all);
-    ((a + b + c) / all.select(some, one)).select(some, one)
+    (pulled / all.select(some, one)).select(some, one)
 }
 
 /// The sum of the positive numbers.
 #[inline(always)]
 fn positive<L: Lane>(numbers: [L; 3]) -> L {
     let zero = numbers[0].constant(0.0);
-    let [a, b, c] = each(&numbers, |x| x.max(zero));
-    a + b + c
+    let [a, b, c] = numbers;
+    a.max(zero) + b.max(zero) + c.max(zero)
 }
 
 /// `1 - D` of the damage in tension and compression, by the share of tension in the stress, and the

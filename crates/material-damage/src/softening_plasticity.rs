@@ -297,19 +297,24 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
 
         let strength = one - old[LOST];
         // A whole surface needs no scaling, which would change no bit.
-        let scaled = if first.any(zero.less(old[LOST])) {
-            Stress(each(&trial.0, |s| s / strength))
-        } else {
-            trial
-        };
+        let mut scaled = trial;
+        if first.any(zero.less(old[LOST])) {
+            for component in &mut scaled.0 {
+                *component = *component / strength;
+            }
+        }
         let Some((mut axes, yielded)) = beyond(&self.parameters.surface, &scaled) else {
             return change;
         };
-        axes.values = each(&axes.values, |s| s * strength);
+        let mut waiting = axes.values;
+        for (value, waiting) in axes.values.iter_mut().zip(&mut waiting) {
+            *value = *value * strength;
+            // What did not yield must not keep others waiting.
+            *waiting = value.select(yielded, zero);
+        }
         let lacking = Lacking {
             law: self,
-            // What did not yield must not keep others waiting.
-            trial: each(&axes.values, |s| s.select(yielded, zero)),
+            trial: waiting,
             old: old[SHORTENING],
             rate: self.rate(input.size),
         };

@@ -1,6 +1,6 @@
 //! What a yield surface says, and how a trial stress flows back to it.
 
-use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress, array, each};
+use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress, each};
 
 use crate::{MaterialError, PrincipalAxes};
 
@@ -170,10 +170,12 @@ impl<L: Lane> Flow<L> {
         let first = elastic.0[0];
         let size = |values: &[L; 3]| values[0].abs().max(values[2].abs());
         let far = (size(&self.stress) * first.constant(FAR)).less(size(&self.axes.values));
-        Stress(array(|i| {
+        let mut change = *elastic;
+        for i in 0..6 {
             let moved = replaced.0[i].select(far, corrected.0[i]);
-            moved.select(self.yielded, elastic.0[i])
-        }))
+            change.0[i] = moved.select(self.yielded, elastic.0[i]);
+        }
+        change
     }
 
     /// Increments of plastic strain, engineering shears; zero where nothing flowed.
@@ -181,8 +183,11 @@ impl<L: Lane> Flow<L> {
     pub(crate) fn plastic_strain(&self) -> [L; 6] {
         let [xx, yy, zz, xy, yz, zx] = self.axes.tensor(&self.plastic);
         let zero = xx.constant(0.0);
-        let strains = [xx, yy, zz, xy + xy, yz + yz, zx + zx];
-        each(&strains, |x| x.select(self.yielded, zero))
+        let mut strains = [xx, yy, zz, xy + xy, yz + yz, zx + zx];
+        for strain in &mut strains {
+            *strain = strain.select(self.yielded, zero);
+        }
+        strains
     }
 }
 
@@ -218,5 +223,9 @@ pub(crate) fn strains_of_loss<L: Lane>(medium: &ElasticMedium, loss: &[L; 3]) ->
 /// One of two sets of three values, lane by lane.
 #[inline(always)]
 pub(crate) fn pick<L: Lane>(mask: L::Mask, this: &[L; 3], other: &[L; 3]) -> [L; 3] {
-    array(|i| this[i].select(mask, other[i]))
+    [
+        this[0].select(mask, other[0]),
+        this[1].select(mask, other[1]),
+        this[2].select(mask, other[2]),
+    ]
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Strain, Stress, array,
+    ParameterError, Strain, Stress,
 };
 
 use crate::history::strain;
@@ -127,14 +127,14 @@ impl Terms {
     /// The strain less its viscous part.
     #[inline(always)]
     fn asked<L: Lane>(&self, strain: &Strain<L>, before: &[L]) -> Strain<L> {
-        Strain(array(|i| {
-            let mut rest = strain.0[i];
-            for l in 0..self.count {
-                let share = rest.constant(-self.viscous[l]);
-                rest = before[6 * l + i].mul_add(share, rest);
+        let mut asked = *strain;
+        for l in 0..self.count {
+            let share = strain.0[0].constant(-self.viscous[l]);
+            for i in 0..6 {
+                asked.0[i] = before[6 * l + i].mul_add(share, asked.0[i]);
             }
-            rest
-        }))
+        }
+        asked
     }
 }
 
@@ -221,10 +221,12 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
             return stress;
         };
         let first = input.strain.0[0];
-        let elastic = match self.asked.inelastic_strain(of_law) {
-            Some(inelastic) => array(|i| input.strain.0[i] - inelastic[i]),
-            None => input.strain.0,
-        };
+        let mut elastic = input.strain.0;
+        if let Some(inelastic) = self.asked.inelastic_strain(of_law) {
+            for i in 0..6 {
+                elastic[i] = elastic[i] - inelastic[i];
+            }
+        }
         for l in 0..terms.count {
             let kept = first.constant(terms.kept[l]);
             let gained = first.constant(terms.gained[l]);

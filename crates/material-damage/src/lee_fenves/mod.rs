@@ -297,14 +297,19 @@ impl ConstitutiveLaw for LeeFenves {
             self.tension.rate(input.size),
             self.compression.rate(input.size),
         ];
-        let strengths = if first.any(zero.less(strains[0] + strains[1])) {
-            self.strengths(strains, rates)
-        } else {
-            [
-                number(self.tension.limit()),
-                number(self.compression.limit()),
-            ]
-        };
+        // Lanes without flow keep their limits to the last bit while others soften.
+        let mut strengths = [
+            number(self.tension.limit()),
+            number(self.compression.limit()),
+        ];
+        let softened = zero.less(strains[0] + strains[1]);
+        if first.any(softened) {
+            let [tensile, compressive] = self.strengths(strains, rates);
+            strengths = [
+                tensile.select(softened, strengths[0]),
+                compressive.select(softened, strengths[1]),
+            ];
+        }
         // No greatest stress is greater.
         let greatest = shear.mul_add(number(2.0 / ROOT_3), mean);
         let bound = self.excess([mean, shear], greatest, strengths);
@@ -326,7 +331,9 @@ impl ConstitutiveLaw for LeeFenves {
             let flow = self.flow(&trial, excess.max(zero), strengths);
             let flow = flow.select(yielded, zero);
             let flowed = self.after(&trial, flow);
-            tension = flowed.tension;
+            // What did not flow has the share of its own stress, as where no lane flows.
+            let elastic_share = share_of_tension(&values);
+            tension = flowed.tension.select(yielded, elastic_share);
 
             let most = 1.0 - p.residual_stiffness;
             let torn = self.tension.damage(flowed.strains[0], rates[0], most);

@@ -142,14 +142,17 @@ fn softening_plasticity_is_the_same_wide_and_scalar() {
 /// Lee-Fenves: many points at once are the same bits as one at a time, in both precisions.
 #[test]
 fn lee_fenves_is_the_same_wide_and_scalar() {
-    let law = LeeFenves::new(LeeFenvesParameters {
+    let hardening = LeeFenvesParameters {
         compression_limit: 9.0e6,
         tension_damage: 0.6,
         ..presets::PAPER_CONCRETE_LEE_FENVES
-    })
-    .unwrap();
-    same_bits::<f64, _>(&law, 3.0e-4);
-    same_bits::<f32, _>(&law, 3.0e-4);
+    };
+    // The ratio of the strengths is rounded in the one, not in the other.
+    for parameters in [hardening, presets::PAPER_CONCRETE_LEE_FENVES] {
+        let law = LeeFenves::new(parameters).unwrap();
+        same_bits::<f64, _>(&law, 3.0e-4);
+        same_bits::<f32, _>(&law, 3.0e-4);
+    }
 }
 
 /// Mazars: many points at once are the same bits as one at a time, in both precisions.
