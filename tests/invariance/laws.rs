@@ -4,8 +4,10 @@ use powerhouse_explicit_core::{
     BlockOptions, LaneWidth, Leapfrog, Model, Precision, RunOptions, SolidKernel, StepChoice, run,
 };
 use powerhouse_material_damage::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, Mazars, MohrCoulomb,
-    MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, TwoSurface, presets,
+    ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, FlatDamping,
+    HoekBrown, HoekBrownParameters, LeeFenves, Mazars, MohrCoulomb, MohrCoulombParameters,
+    PlasticDamage, PlasticDamageParameters, ReferenceFrequency, RelaxationSpectrum,
+    SofteningPlasticity, SofteningPlasticityParameters, StrengthFall, TwoSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, Mesh, State, Vec3};
 
@@ -159,4 +161,36 @@ fn so_do_laws_with_damage() {
     };
     check(PlasticDamage::new(listed).unwrap());
     check(Mazars::new(presets::PAPER_CONCRETE_MAZARS).unwrap());
+}
+
+/// The same of laws that are solved for one unknown, and of one with damping in series, whose
+/// mechanisms remember too.
+#[test]
+fn so_do_laws_that_are_iterated_and_damped() {
+    let mass = HoekBrown::new(HoekBrownParameters {
+        medium: presets::PAPER_ROCK.medium,
+        intact_strength: 5.0e7,
+        intact_constant: 10.0,
+        strength_index: 40.0,
+        disturbance: 0.0,
+        dilation_share: 0.3,
+    });
+    check(ElastoPlastic::new(mass.unwrap()));
+    check(LeeFenves::new(presets::PAPER_CONCRETE_LEE_FENVES).unwrap());
+    let rock = MohrCoulomb::new(presets::PAPER_ROCK).unwrap();
+    let softening = SofteningPlasticity::new(SofteningPlasticityParameters {
+        surface: rock,
+        fall: StrengthFall::FractureEnergy { energy: 2.0e4 },
+        residual_strength: 0.1,
+    });
+    check(softening.unwrap());
+    let band = DampingBand {
+        ratio: 0.05,
+        lowest: 5.0,
+        highest: 500.0,
+        mechanisms: 2,
+    };
+    let spectrum = RelaxationSpectrum::fit(band).unwrap();
+    let rock = ElastoPlastic::new(rock);
+    check(FlatDamping::new(rock, spectrum, ReferenceFrequency::Centre).unwrap());
 }
