@@ -4,7 +4,8 @@ use powerhouse_model::{ElasticMedium, Lane, Stress, each};
 
 use crate::MaterialError;
 use crate::surface::{
-    PrincipalReturn, YieldState, YieldSurface, check_frictional, mean_and_shear, pick, stiffened,
+    PrincipalReturn, StressReturn, YieldState, YieldSurface, check_frictional, far_lanes,
+    mean_and_shear, stiffened,
 };
 
 /// To which stresses of Mohr and Coulomb the cone is fitted.
@@ -125,6 +126,38 @@ impl DruckerPrager {
         self.strength / (3.0 * self.friction)
     }
 
+    /// The return of mean stress and `sqrt(J2)` (Pa) outside.
+    #[inline(always)]
+    fn back<L: Lane>(&self, mean: L, shear: L) -> Back<L> {
+        let number = |value: f64| mean.constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        let ratio = self.stiffness_ratio;
+        let hardness = 1.0 + 9.0 * ratio * self.friction * self.dilation;
+        let flow = self.yield_function(mean, shear) * number(1.0 / hardness);
+        let lowered = number(3.0 * ratio * self.dilation) * flow;
+        let returned = mean - lowered;
+        // On the cone exactly, whatever the rounding of the mean.
+        let radius = number(self.strength) - number(3.0 * self.friction) * returned;
+        let divisor = shear.select(zero.less(shear), one);
+        let left = radius.max(zero) / divisor;
+        let lost = flow / divisor;
+        let apex = if self.friction > 0.0 {
+            number(self.apex())
+        } else {
+            zero
+        };
+        let to_apex = shear.less(flow);
+        let [tension, sheared] = [YieldState::Tension, YieldState::Shear].map(YieldState::number);
+        Back {
+            mean: [
+                apex.select(to_apex, returned),
+                (mean - apex).select(to_apex, lowered),
+            ],
+            deviator: [zero.select(to_apex, left), one.select(to_apex, lost)],
+            state: number(tension).select(to_apex, number(sheared)),
+        }
+    }
+
     /// The yield function of mean stress and `sqrt(J2)` (Pa).
     #[inline(always)]
     fn yield_function<L: Lane>(&self, mean: L, shear: L) -> L {
@@ -133,11 +166,28 @@ impl DruckerPrager {
     }
 }
 
+/// A deviator (Pa) times a share, and a mean stress (Pa).
+#[inline(always)]
+fn along<L: Lane>(deviator: &[L; 6], share: L, mean: L) -> Stress<L> {
+    let [xx, yy, zz, xy, yz, zx] = each(deviator, |s| s * share);
+    Stress([xx + mean, yy + mean, zz + mean, xy, yz, zx])
+}
+
 /// Mean and `sqrt(J2)` of principal stresses.
 #[inline(always)]
 fn invariants<L: Lane>(&[s1, s2, s3]: &[L; 3]) -> (L, L) {
     let zero = s1.constant(0.0);
     mean_and_shear(&Stress([s1, s2, s3, zero, zero, zero]))
+}
+
+/// The way back to the cone, or to its apex, along the deviator of the trial.
+struct Back<L> {
+    /// Mean stress after the return, and by how much it was lowered (Pa).
+    mean: [L; 2],
+    /// What is left of the deviator, and what is lost of it.
+    deviator: [L; 2],
+    /// The number of the [`YieldState`].
+    state: L,
 }
 
 impl YieldSurface for DruckerPrager {
@@ -165,33 +215,44 @@ impl YieldSurface for DruckerPrager {
     #[inline(always)]
     fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L> {
         let (mean, shear) = invariants(trial);
-        let number = |value: f64| mean.constant(value);
-        let ratio = self.stiffness_ratio;
-        let hardness = 1.0 + 9.0 * ratio * self.friction * self.dilation;
-        let flow = self.yield_function(mean, shear) * number(1.0 / hardness);
-        let lowered = number(3.0 * ratio * self.dilation) * flow;
-        let returned = mean - lowered;
-        // On the cone exactly, whatever the rounding of the mean.
-        let radius = number(self.strength) - number(3.0 * self.friction) * returned;
-        let zero = number(0.0);
-        let to_apex = shear.less(flow);
-        let divisor = shear.select(zero.less(shear), number(1.0));
-        let scale = radius.max(zero) / divisor;
-        let on_cone = each(trial, |s| (s - mean).mul_add(scale, returned));
-        let shrunk = flow / divisor;
-        let loss_to_cone = each(trial, |s| (s - mean).mul_add(shrunk, lowered));
-        let apex = if self.friction > 0.0 {
-            self.apex()
-        } else {
-            0.0
-        };
-        let loss_to_apex = each(trial, |s| s - number(apex));
+        let Back {
+            mean: [returned, lowered],
+            deviator: [left, lost],
+            state,
+        } = self.back(mean, shear);
         PrincipalReturn {
-            stress: pick(to_apex, &[number(apex); 3], &on_cone),
-            loss: pick(to_apex, &loss_to_apex, &loss_to_cone),
-            state: number(YieldState::Tension.number())
-                .select(to_apex, number(YieldState::Shear.number())),
+            stress: each(trial, |s| (s - mean).mul_add(left, returned)),
+            loss: each(trial, |s| (s - mean).mul_add(lost, lowered)),
+            state,
         }
+    }
+    /// The return goes along the deviator of the trial, so that no principal values are needed.
+    #[inline(always)]
+    fn return_stress<L: Lane>(&self, trial: &Stress<L>) -> Option<StressReturn<L>> {
+        let (mean, shear) = mean_and_shear(trial);
+        let zero = mean.constant(0.0);
+        let outside = zero.less(self.yield_function(mean, shear));
+        if !mean.any(outside) {
+            return None;
+        }
+        let Back {
+            mean: [returned, lowered],
+            deviator: [left, lost],
+            state,
+        } = self.back(mean, shear);
+        let [xx, yy, zz, xy, yz, zx] = trial.0;
+        let deviator = [xx - mean, yy - mean, zz - mean, xy, yz, zx];
+        let trial_size = mean.abs().max(shear);
+        let far = far_lanes(returned.abs().max(left * shear), trial_size);
+        Some(StressReturn {
+            outside,
+            loss: along(&deviator, lost, lowered),
+            far: match far {
+                Some(far) => Some((far, along(&deviator, left, returned))),
+                None => None,
+            },
+            state,
+        })
     }
     fn uniaxial_tension(&self) -> f64 {
         self.strength / (self.friction + 1.0 / ROOT_3)

@@ -94,14 +94,13 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
         let lambda = first.constant(self.lambda);
         let change = Stress::elastic(lambda, first.constant(self.shear), &elastic);
         let trial = input.initial + change;
-        new_history.copy_from_slice(old);
+        history::keep::<L, { HISTORY.len() }>(old, new_history);
         let Some(flow) = Flow::back(&self.surface, &trial) else {
             new_history[YIELD_STATE] = first.constant(0.0);
             return change;
         };
-        let plastic = flow.plastic_strain();
         for i in 0..6 {
-            new_history[i] = old[i] + plastic[i];
+            new_history[i] = old[i] + flow.plastic[i];
         }
         new_history[EQUIVALENT] = old[EQUIVALENT] + equivalent(&flow.plastic);
         new_history[YIELD_STATE] = flow.state;
@@ -135,15 +134,23 @@ impl<S: YieldSurface> ElasticInSeries for ElastoPlastic<S> {
     }
 }
 
-/// `sqrt(2/3 e : e)` of principal strains, which may be so large or small that squares are not
-/// numbers.
+/// Below this size, of which the inverse is a number in single precision too, strains count as
+/// nothing.
+const LEAST_STRAIN: f64 = 1.0e-36;
+
+/// `sqrt(2/3 e : e)` of strains with engineering shears, which may be so large that squares are
+/// not numbers.
 #[inline(always)]
-pub(crate) fn equivalent<L: Lane>(strains: &[L; 3]) -> L {
-    let [a, b, c] = each(strains, |e| e.abs());
-    let largest = a.max(b).max(c);
-    let zero = a.constant(0.0);
-    let divisor = largest.select(zero.less(largest), a.constant(1.0));
-    let [a, b, c] = [a / divisor, b / divisor, c / divisor];
-    let square = a.mul_add(a, b.mul_add(b, c * c));
-    largest * (square * a.constant(2.0 / 3.0)).sqrt()
+pub(crate) fn equivalent<L: Lane>(strains: &[L; 6]) -> L {
+    let number = |value: f64| strains[0].constant(value);
+    let mut largest = number(LEAST_STRAIN);
+    for strain in strains {
+        largest = largest.max(strain.abs());
+    }
+    let inverse = number(1.0) / largest;
+    let [xx, yy, zz, xy, yz, zx] = each(strains, |x| x * inverse);
+    let normal = xx.mul_add(xx, yy.mul_add(yy, zz * zz));
+    let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
+    let square = shear.mul_add(number(0.5), normal);
+    largest * (square * number(2.0 / 3.0)).sqrt()
 }

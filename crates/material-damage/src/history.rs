@@ -1,6 +1,6 @@
 //! History variables that several laws have.
 
-use powerhouse_model::HistoryVariable;
+use powerhouse_model::{HistoryVariable, Lane};
 
 /// An amount without a unit.
 pub(crate) const fn number(name: &'static str) -> HistoryVariable {
@@ -27,3 +27,13 @@ pub(crate) const PLASTIC_STRAINS: [HistoryVariable; 6] = [
     strain("plastic_strain_yz"),
     strain("plastic_strain_zx"),
 ];
+
+/// Takes a history of `N` variables over as it is. The length is known here, so that packs are moved as
+/// such: `copy_from_slice` of a slice calls a function, which costs more than the elastic law.
+#[inline(always)]
+#[expect(clippy::manual_memcpy, reason = "a call is what this avoids")]
+pub(crate) fn keep<L: Lane, const N: usize>(old: &[L], new: &mut [L]) {
+    for i in 0..N {
+        new[i] = old[i];
+    }
+}

@@ -99,5 +99,5 @@ pub use plastic_damage::{PlasticDamage, PlasticDamageParameters};
 pub use principal::PrincipalAxes;
 pub use softening::Softening;
 pub use softening_plasticity::{SofteningPlasticity, SofteningPlasticityParameters, StrengthFall};
-pub use surface::{PrincipalReturn, YieldState, YieldSurface};
+pub use surface::{PrincipalReturn, StressReturn, YieldState, YieldSurface};
 pub use two_surface::{TwoSurface, TwoSurfaceParameters};

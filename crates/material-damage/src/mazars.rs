@@ -7,7 +7,7 @@ use powerhouse_model::{
 
 use crate::dual::Dual;
 use crate::energy::Step;
-use crate::history::number;
+use crate::history::{self, number};
 use crate::softening::{
     STEEPEST, damage_of, damage_of_falling_stress, inverse_rate_in_total_strain,
 };
@@ -288,7 +288,7 @@ impl ConstitutiveLaw for Mazars {
         let one = number(1.0);
         let change = Stress::elastic(number(self.lambda), number(self.shear), &input.strain);
         let total = input.initial + change;
-        new_history.copy_from_slice(old);
+        history::keep::<L, { HISTORY.len() }>(old, new_history);
         let sound = number(p.threshold);
         let damaged = sound.less(self.bound(&total).max(old[EQUIVALENT]));
         if !first.any(damaged) {

@@ -9,7 +9,7 @@ use crate::dual::Dual;
 use crate::energy::{difference, of_flow_and_damage};
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::softening::DamageCurve;
-use crate::surface::{Flow, YieldSurface, strains_of_loss};
+use crate::surface::{FlowInAxes, YieldSurface, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, tangent};
 
 /// What a [`PlasticDamage`] law is made of.
@@ -268,15 +268,14 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         let elastic = difference(&input.strain.0, old);
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let trial = input.initial + change;
-        new_history.copy_from_slice(old);
+        history::keep::<L, { HISTORY.len() }>(old, new_history);
         new_history[YIELD_STATE] = zero;
 
         let mut tension = one;
-        if let Some(flow) = Flow::back(&self.parameters.surface, &trial) {
+        if let Some(flow) = FlowInAxes::back(&self.parameters.surface, &trial) {
             tension = share_of_tension(&flow.stress);
-            let plastic = flow.plastic_strain();
             for i in 0..6 {
-                new_history[i] = old[i] + plastic[i];
+                new_history[i] = old[i] + flow.flow.plastic[i];
             }
             let opened = old[TENSION] + positive(flow.plastic);
             let crushed = (one - tension) * positive(each(&flow.plastic, |e| -e));
@@ -290,8 +289,8 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             ] {
                 new_history[variable] = value.select(flow.yielded, old[variable]);
             }
-            new_history[YIELD_STATE] = flow.state;
-            change = flow.stress_change(&change, &input.initial);
+            new_history[YIELD_STATE] = flow.flow.state;
+            change = flow.flow.stress_change(&change, &input.initial);
         } else if self.parameters.stiffness_recovery > 0.0
             && first.any(zero.less(old[DAMAGE_TENSION]))
         {

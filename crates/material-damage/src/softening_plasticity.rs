@@ -11,7 +11,7 @@ use crate::energy::{self, Step};
 use crate::exponential::decay;
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::root::{Function, rounding, zero_between};
-use crate::surface::{Flow, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
+use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, tangent};
 
 /// How fast strength falls.
@@ -292,7 +292,7 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
         let elastic = energy::difference(&input.strain.0, old);
         let change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let trial = input.initial + change;
-        new_history.copy_from_slice(old);
+        history::keep::<L, { HISTORY.len() }>(old, new_history);
         new_history[YIELD_STATE] = zero;
 
         let strength = one - old[LOST];
@@ -321,10 +321,9 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
         let shortening = self.shortening(&lacking);
         let lost = self.lost(shortening, lacking.rate);
         let returned = self.returned(&axes.values, one - lost);
-        let flow = Flow::new(&self.medium(), (axes, yielded), returned);
-        let plastic = flow.plastic_strain();
+        let flow = FlowInAxes::new(&self.medium(), (axes, yielded), returned).flow;
         for i in 0..6 {
-            new_history[i] = old[i] + plastic[i];
+            new_history[i] = old[i] + flow.plastic[i];
         }
         new_history[EQUIVALENT] = old[EQUIVALENT] + equivalent(&flow.plastic);
         new_history[SHORTENING] = shortening.select(yielded, old[SHORTENING]);

@@ -46,6 +46,20 @@ pub struct PrincipalReturn<L> {
     pub state: L,
 }
 
+/// Where a trial stress comes to lie, in the axes of the mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct StressReturn<L: Lane> {
+    /// Lanes of which the trial lies outside; the rest is meaningless in others.
+    pub outside: L::Mask,
+    /// Trial less returned stress (Pa), computed from the excess, as in [`PrincipalReturn`].
+    pub loss: Stress<L>,
+    /// The returned stress (Pa), and the lanes that are so far outside that the trial less the
+    /// loss would be of its rounding.
+    pub far: Option<(L::Mask, Stress<L>)>,
+    /// The number of the [`YieldState`].
+    pub state: L,
+}
+
 /// An isotropic perfectly plastic yield surface with its flow rule, in principal stresses.
 ///
 /// Implemented by [`MohrCoulomb`](crate::MohrCoulomb) and [`DruckerPrager`](crate::DruckerPrager);
@@ -66,6 +80,13 @@ pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
     fn excess<L: Lane>(&self, principal: &[L; 3]) -> L;
     /// The stress on the surface that belongs to a trial stress outside.
     fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L>;
+    /// The same in the axes of the mesh, for trials some of which may lie outside; none if the
+    /// [`bound`](Self::bound) tells that no lane does. By default it is brought to principal axes and
+    /// back; a surface of invariants needs none.
+    #[inline(always)]
+    fn return_stress<L: Lane>(&self, trial: &Stress<L>) -> Option<StressReturn<L>> {
+        Some(PrincipalFlow::of(self, trial)?.in_mesh_axes())
+    }
     /// The uniaxial tensile stress at yield (Pa): the surface in force, not what is listed.
     fn uniaxial_tension(&self) -> f64;
     /// The uniaxial compressive stress at yield (Pa), positive.
@@ -115,82 +136,6 @@ pub(crate) fn mean_and_shear<L: Lane>(stress: &Stress<L>) -> (L, L) {
     (mean, (normal + shear).sqrt())
 }
 
-/// Plastic flow of one step.
-pub(crate) struct Flow<L: Lane> {
-    /// Which lanes flowed.
-    pub(crate) yielded: L::Mask,
-    /// Principal axes of trial stress, returned stress and plastic strain increment.
-    pub(crate) axes: PrincipalAxes<L>,
-    /// Principal stresses after the return (Pa).
-    pub(crate) stress: [L; 3],
-    /// Principal trial stresses less those after the return (Pa).
-    loss: [L; 3],
-    /// Principal increments of plastic strain, zero where nothing flowed.
-    pub(crate) plastic: [L; 3],
-    /// The number of the [`YieldState`].
-    pub(crate) state: L,
-}
-
-impl<L: Lane> Flow<L> {
-    /// The flow that brings a trial stress back to the surface; none if no lane leaves it.
-    #[inline(always)]
-    pub(crate) fn back<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
-        let (axes, yielded) = beyond(surface, trial)?;
-        let returned = surface.return_principal(&axes.values);
-        Some(Self::new(&surface.medium(), (axes, yielded), returned))
-    }
-
-    /// The flow from a trial stress with some axes, in the lanes that yielded, to where it was
-    /// returned.
-    #[inline(always)]
-    pub(crate) fn new(
-        medium: &ElasticMedium,
-        (axes, yielded): (PrincipalAxes<L>, L::Mask),
-        returned: PrincipalReturn<L>,
-    ) -> Self {
-        let zero = returned.state.constant(0.0);
-        let loss = returned.loss;
-        let plastic = each(&strains_of_loss(medium, &loss), |x| x.select(yielded, zero));
-        Self {
-            yielded,
-            axes,
-            stress: pick(yielded, &returned.stress, &axes.values),
-            loss,
-            plastic,
-            state: returned.state.select(yielded, zero),
-        }
-    }
-
-    /// The change of stress against the initial stress after the flow (Pa), from the change that
-    /// was elastic.
-    #[inline(always)]
-    pub(crate) fn stress_change(&self, elastic: &Stress<L>, initial: &Stress<L>) -> Stress<L> {
-        let corrected = *elastic - Stress(self.axes.tensor(&self.loss));
-        let replaced = Stress(self.axes.tensor(&self.stress)) - *initial;
-        let first = elastic.0[0];
-        let size = |values: &[L; 3]| values[0].abs().max(values[2].abs());
-        let far = (size(&self.stress) * first.constant(FAR)).less(size(&self.axes.values));
-        let mut change = *elastic;
-        for i in 0..6 {
-            let moved = replaced.0[i].select(far, corrected.0[i]);
-            change.0[i] = moved.select(self.yielded, elastic.0[i]);
-        }
-        change
-    }
-
-    /// Increments of plastic strain, engineering shears; zero where nothing flowed.
-    #[inline(always)]
-    pub(crate) fn plastic_strain(&self) -> [L; 6] {
-        let [xx, yy, zz, xy, yz, zx] = self.axes.tensor(&self.plastic);
-        let zero = xx.constant(0.0);
-        let mut strains = [xx, yy, zz, xy + xy, yz + yz, zx + zx];
-        for strain in &mut strains {
-            *strain = strain.select(self.yielded, zero);
-        }
-        strains
-    }
-}
-
 /// The principal axes of a trial stress and the lanes in which it lies outside a surface; none if no
 /// lane may.
 #[inline(always)]
@@ -210,14 +155,180 @@ pub(crate) fn beyond<L: Lane, S: YieldSurface>(
     Some((axes, zero.less(excess)))
 }
 
-/// The principal strains of principal stresses (Pa), `C^-1 (trial - returned)`.
+/// The return of a trial stress in principal axes.
+struct PrincipalFlow<L: Lane> {
+    /// Which lanes lie outside.
+    yielded: L::Mask,
+    axes: PrincipalAxes<L>,
+    returned: PrincipalReturn<L>,
+}
+
+impl<L: Lane> PrincipalFlow<L> {
+    /// None if no lane may lie outside.
+    #[inline(always)]
+    fn of<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
+        let (axes, yielded) = beyond(surface, trial)?;
+        Some(Self {
+            yielded,
+            returned: surface.return_principal(&axes.values),
+            axes,
+        })
+    }
+
+    #[inline(always)]
+    fn in_mesh_axes(&self) -> StressReturn<L> {
+        let Self {
+            yielded,
+            axes,
+            returned,
+        } = self;
+        let [on_surface, trial] = [size(&returned.stress), size(&axes.values)];
+        StressReturn {
+            outside: *yielded,
+            loss: Stress(axes.tensor(&returned.loss)),
+            far: match far_lanes(on_surface, trial) {
+                Some(far) => Some((far, Stress(axes.tensor(&returned.stress)))),
+                None => None,
+            },
+            state: returned.state,
+        }
+    }
+}
+
+/// The largest principal stress in size (Pa).
 #[inline(always)]
-pub(crate) fn strains_of_loss<L: Lane>(medium: &ElasticMedium, loss: &[L; 3]) -> [L; 3] {
+fn size<L: Lane>(values: &[L; 3]) -> L {
+    values[0].abs().max(values[2].abs())
+}
+
+/// Lanes of which the trial stress is so large beside the returned one that the first less its loss
+/// would be of its rounding; none if there are none.
+#[inline(always)]
+pub(crate) fn far_lanes<L: Lane>(returned: L, trial: L) -> Option<L::Mask> {
+    let far = (returned * returned.constant(FAR)).less(trial);
+    trial.any(far).then_some(far)
+}
+
+/// The strains of a stress that was lost (Pa), `C^-1 (trial - returned)`: principal ones, or in any
+/// axes with shears half as large as engineering ones.
+#[inline(always)]
+pub(crate) fn strains_of_loss<L: Lane, const C: usize>(
+    medium: &ElasticMedium,
+    loss: &[L; C],
+) -> [L; C] {
     let number = |value: f64| loss[0].constant(value);
     let share = number(medium.poisson / (1.0 + medium.poisson));
     let compliance = number(0.5 / medium.shear());
     let common = share * (loss[0] + loss[1] + loss[2]);
-    each(loss, |x| compliance * (x - common))
+    let mut strains = *loss;
+    for i in 0..C {
+        let deviating = if i < 3 { loss[i] - common } else { loss[i] };
+        strains[i] = compliance * deviating;
+    }
+    strains
+}
+
+/// Plastic flow of one step, in the axes of the mesh.
+pub(crate) struct Flow<L: Lane> {
+    returned: StressReturn<L>,
+    /// Increments of plastic strain, engineering shears; zero where nothing flowed.
+    pub(crate) plastic: [L; 6],
+    /// The number of the [`YieldState`].
+    pub(crate) state: L,
+}
+
+impl<L: Lane> Flow<L> {
+    /// The flow that brings a trial stress back to the surface; none if no lane leaves it.
+    #[inline(always)]
+    pub(crate) fn back<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
+        Some(Self::of(&surface.medium(), surface.return_stress(trial)?))
+    }
+
+    #[inline(always)]
+    fn of(medium: &ElasticMedium, returned: StressReturn<L>) -> Self {
+        let zero = returned.state.constant(0.0);
+        let [xx, yy, zz, xy, yz, zx] = strains_of_loss(medium, &returned.loss.0);
+        let mut plastic = [xx, yy, zz, xy + xy, yz + yz, zx + zx];
+        for strain in &mut plastic {
+            *strain = strain.select(returned.outside, zero);
+        }
+        Self {
+            plastic,
+            state: returned.state.select(returned.outside, zero),
+            returned,
+        }
+    }
+
+    /// The change of stress against the initial stress after the flow (Pa), from the change that
+    /// was elastic.
+    #[inline(always)]
+    pub(crate) fn stress_change(&self, elastic: &Stress<L>, initial: &Stress<L>) -> Stress<L> {
+        let mut change = *elastic - self.returned.loss;
+        if let Some((far, stress)) = &self.returned.far {
+            let replaced = *stress - *initial;
+            for i in 0..6 {
+                change.0[i] = replaced.0[i].select(*far, change.0[i]);
+            }
+        }
+        for i in 0..6 {
+            change.0[i] = change.0[i].select(self.returned.outside, elastic.0[i]);
+        }
+        change
+    }
+}
+
+/// Plastic flow of one step, with its principal values.
+pub(crate) struct FlowInAxes<L: Lane> {
+    /// The same in the axes of the mesh.
+    pub(crate) flow: Flow<L>,
+    /// Which lanes flowed.
+    pub(crate) yielded: L::Mask,
+    /// Principal stresses after the return (Pa), those of the trial where nothing flowed.
+    pub(crate) stress: [L; 3],
+    /// Principal increments of plastic strain, zero where nothing flowed.
+    pub(crate) plastic: [L; 3],
+}
+
+impl<L: Lane> FlowInAxes<L> {
+    /// As [`Flow::back`].
+    #[inline(always)]
+    pub(crate) fn back<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
+        let flow = PrincipalFlow::of(surface, trial)?;
+        Some(Self::of(&surface.medium(), &flow))
+    }
+
+    /// The flow from a trial stress with some axes, in the lanes that yielded, to where it was
+    /// returned.
+    #[inline(always)]
+    pub(crate) fn new(
+        medium: &ElasticMedium,
+        (axes, yielded): (PrincipalAxes<L>, L::Mask),
+        returned: PrincipalReturn<L>,
+    ) -> Self {
+        let flow = PrincipalFlow {
+            yielded,
+            axes,
+            returned,
+        };
+        Self::of(medium, &flow)
+    }
+
+    #[inline(always)]
+    fn of(medium: &ElasticMedium, flow: &PrincipalFlow<L>) -> Self {
+        let PrincipalFlow {
+            yielded,
+            axes,
+            returned,
+        } = flow;
+        let zero = returned.state.constant(0.0);
+        let plastic = strains_of_loss(medium, &returned.loss);
+        Self {
+            flow: Flow::of(medium, flow.in_mesh_axes()),
+            yielded: *yielded,
+            stress: pick(*yielded, &returned.stress, &axes.values),
+            plastic: each(&plastic, |x| x.select(*yielded, zero)),
+        }
+    }
 }
 
 /// One of two sets of three values, lane by lane.

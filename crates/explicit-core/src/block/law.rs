@@ -1,7 +1,7 @@
-//! Laws with their type erased: one call per batch, for all of its points.
+//! Laws with their type erased: one call for all points of some batches.
 //!
-//! Kernels are compiled once and laws once, instead of every law into every kernel. A call costs
-//! about a nanosecond per element; strains and stresses pass through the nearest cache.
+//! Kernels are compiled once and laws once, instead of every law into every kernel. A call is for
+//! some batches; strains and stresses pass through the nearest cache.
 
 use std::sync::Arc;
 
@@ -11,6 +11,7 @@ use powerhouse_model::{
 };
 
 use super::history::History;
+use super::numbers::Aligned;
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 
 /// Numbers of the lanes of a batch at one point, `C` in each lane.
@@ -37,15 +38,17 @@ impl<S> Memory<'_, S> {
     }
 }
 
-/// What a law is asked for a batch.
+/// What a law is asked for successive batches.
 pub(crate) struct Question<'a, 'm, S> {
-    /// The batch.
-    pub(super) batch: usize,
-    /// Strains, point by point.
+    /// The first batch.
+    pub(super) first: usize,
+    /// Points of a batch.
+    pub(super) points: usize,
+    /// Strains, batch by batch and point by point.
     pub(super) strains: &'a [PointNumbers<S, 6>],
-    /// Six initial stresses (Pa) in lanes, or nothing.
+    /// Six initial stresses (Pa) of each batch in lanes, or nothing.
     pub(super) initial: Option<&'a [S]>,
-    /// Widths of the elements (m).
+    /// Widths of the elements of each batch (m).
     pub(super) sizes: &'a [S],
     /// The histories.
     pub(super) memory: &'a mut Memory<'m, S>,
@@ -122,10 +125,10 @@ impl<M: ConstitutiveLaw, S: BatchScalar> BatchOperation<S> for Answer<'_, '_, M,
     fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> bool {
         let zero = L::splat(token, 0.0);
         let variables = self.question.memory.get().variables();
-        let mut usual = [[zero; USUAL_VARIABLES]; 2];
+        let mut usual = Aligned([[zero; USUAL_VARIABLES]; 2]);
         let mut many: [Vec<L>; 2];
         let [old, new]: [&mut [L]; 2] = if variables <= USUAL_VARIABLES {
-            usual.each_mut().map(|numbers| &mut numbers[..variables])
+            usual.0.each_mut().map(|numbers| &mut numbers[..variables])
         } else {
             many = [(); 2].map(|()| vec![zero; variables]);
             many.each_mut().map(Vec::as_mut_slice)
@@ -144,7 +147,8 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
         new: &mut [L],
     ) -> bool {
         let Question {
-            batch,
+            first,
+            points,
             strains,
             initial,
             sizes,
@@ -152,51 +156,63 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             stresses,
             mut energies,
         } = self.question;
+        let zero = L::splat(token, 0.0);
         let mut initially = Stress::zero(token);
-        if let Some(initial) = initial {
-            for i in 0..6 {
-                initially.0[i] = L::load(token, &initial[i * L::WIDTH..]);
-            }
-        }
-        let size = L::load(token, sizes);
+        // Whether the old history is still all zero.
+        let mut blank = true;
         let mut told = false;
-        if let Memory::Write(history) = &mut *memory {
-            history.retry(batch);
-        }
-        for p in 0..strains.len() {
-            if let Some(numbers) = memory.get().committed(batch) {
-                let start = p * old.len() * L::WIDTH;
-                for h in 0..old.len() {
-                    old[h] = L::load(token, &numbers[start + h * L::WIDTH..]);
+        for (b, strains) in strains.chunks_exact(points).enumerate() {
+            let batch = first + b;
+            if let Some(initial) = initial {
+                for i in 0..6 {
+                    initially.0[i] = L::load(token, &initial[(6 * b + i) * L::WIDTH..]);
                 }
             }
-            let mut strain = Strain([size; 6]);
-            for i in 0..6 {
-                strain.0[i] = L::load(token, &strains[p][i]);
-            }
-            let input = LawInput::new(strain, old)
-                .with_initial(initially)
-                .with_size(size);
-            let stress = self.law.stress_change(&input, new);
-            for i in 0..6 {
-                stress.0[i].store(&mut stresses[p][i]);
-            }
-            if let Some(energies) = energies.as_deref_mut()
-                && let Some(energy) = self.law.energy(&input, new)
-            {
-                let LawEnergy {
-                    stored,
-                    plastic,
-                    damage,
-                    recovered,
-                } = energy;
-                for (place, part) in [stored, plastic, damage, recovered].into_iter().enumerate() {
-                    part.store(&mut energies[p][place]);
-                }
-                told = true;
-            }
+            let size = L::load(token, &sizes[b * L::WIDTH..]);
             if let Memory::Write(history) = &mut *memory {
-                history.take(batch, p, old, new);
+                history.retry(batch);
+            }
+            for p in 0..points {
+                if let Some(numbers) = memory.get().committed(batch) {
+                    let start = p * old.len() * L::WIDTH;
+                    for h in 0..old.len() {
+                        old[h] = L::load(token, &numbers[start + h * L::WIDTH..]);
+                    }
+                    blank = false;
+                } else if !blank {
+                    old.fill(zero);
+                    blank = true;
+                }
+                let mut strain = Strain([size; 6]);
+                for i in 0..6 {
+                    strain.0[i] = L::load(token, &strains[p][i]);
+                }
+                let input = LawInput::new(strain, old)
+                    .with_initial(initially)
+                    .with_size(size);
+                let stress = self.law.stress_change(&input, new);
+                let place = b * points + p;
+                for i in 0..6 {
+                    stress.0[i].store(&mut stresses[place][i]);
+                }
+                if let Some(energies) = energies.as_deref_mut()
+                    && let Some(energy) = self.law.energy(&input, new)
+                {
+                    let LawEnergy {
+                        stored,
+                        plastic,
+                        damage,
+                        recovered,
+                    } = energy;
+                    let parts = [stored, plastic, damage, recovered];
+                    for i in 0..4 {
+                        parts[i].store(&mut energies[place][i]);
+                    }
+                    told = true;
+                }
+                if let Memory::Write(history) = &mut *memory {
+                    history.take(batch, p, old, new);
+                }
             }
         }
         told

@@ -41,8 +41,8 @@ pub use factory::solid;
 pub(crate) use factory::{Erased, coordinate_rounding, erased};
 
 thread_local! {
-    /// Where blocks of linear laws keep their nodes' values while they compute: one piece of memory
-    /// per thread, which stays in its cache from block to block.
+    /// Where blocks keep their nodes' values while they compute a step: one piece of memory per
+    /// thread, which stays in its cache from block to block.
     static SCRATCH: Cell<Locals> = const { Cell::new(Locals::NONE) };
 }
 
@@ -73,7 +73,7 @@ struct Block<K, S, const N: usize, const P: usize> {
     /// Initial stresses (Pa), empty if there are none.
     initial: AlignedNumbers<S>,
     history: History<S>,
-    /// What the last forces were computed from, if the law's tangent depends on it.
+    /// What the last static forces were computed from, if the law's tangent depends on it.
     locals: Locals,
     account: Account<S>,
 }
@@ -145,10 +145,12 @@ where
         out.fill(Quad::default());
         let damped = damping != 0.0;
         let moves = damped || (booked.is_some() && !self.is_linear());
-        let mut locals = if self.is_linear() {
-            SCRATCH.take()
-        } else {
+        // A step is not linearised: its nodes need not be remembered.
+        let keeps = !self.is_linear() && !self.law.is_stepping();
+        let mut locals = if keeps {
             core::mem::take(&mut self.locals)
+        } else {
+            SCRATCH.take()
         };
         let local = A::local(&mut locals);
         copy_nodes(displacement, &self.nodes, &mut local.displacement);
@@ -186,10 +188,10 @@ where
             (self.account, self.history) = (account, history);
             finite
         };
-        if self.is_linear() {
-            SCRATCH.set(locals);
-        } else {
+        if keeps {
             self.locals = locals;
+        } else {
+            SCRATCH.set(locals);
         }
         finite
     }

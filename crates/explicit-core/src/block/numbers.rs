@@ -5,6 +5,11 @@ use powerhouse_model::Scalar;
 /// Bytes of a cache line, and of the widest register.
 const LINE: usize = 64;
 
+/// Something on the stack that begins at a cache line, so that no register load straddles two. It makes
+/// the compiler align the whole stack frame, and with it the registers that it spills.
+#[repr(align(64))]
+pub(super) struct Aligned<T>(pub(super) T);
+
 /// Numbers that begin at a cache line, so that no register load straddles two.
 #[derive(Debug, Default)]
 pub(super) struct AlignedNumbers<S> {

@@ -1,10 +1,11 @@
 //! What a block does to all of its batches at a step.
 
-use powerhouse_model::{ElementKernel, Geometry, LawEnergy, Quad, Strain, Stress};
+use powerhouse_model::{ElementKernel, Geometry, LawEnergy, Quad, Stress};
 
 use super::account::StepSums;
 use super::batches::Batches;
 use super::law::{BatchLaw, Memory, PointNumbers, Question};
+use super::numbers::Aligned;
 use super::survey::{
     Summary, complementary_energy, each_lane, linear_energy, step_work, write_mean,
 };
@@ -24,11 +25,6 @@ impl Moduli {
         self.lambda + 2.0 * self.shear
     }
 }
-
-/// Forces turned to rows. The alignment is that of a register, which makes the compiler align the
-/// whole stack frame: registers that it spills would straddle cache lines otherwise.
-#[repr(align(64))]
-struct Turned<T>(T);
 
 /// Zero as long as every stress seen is a number, NaN afterwards.
 #[derive(Clone, Copy)]
@@ -72,7 +68,7 @@ where
         let lambda = L::splat(token, self.moduli.lambda);
         let shear = L::splat(token, self.moduli.shear);
         let modulus = L::splat(token, self.moduli.constrained());
-        let mut rows = Turned([[[S::default(); 4]; MOST_LANES]; N]);
+        let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
         let nodes = self.batches.places.over(self.nodes);
@@ -164,28 +160,46 @@ where
     #[inline(always)]
     fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let modulus = L::splat(token, self.moduli.constrained());
-        let mut rows = Turned([[[S::default(); 4]; MOST_LANES]; N]);
+        let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
-        let zero = S::default();
-        let mut numbers = Turned(Passed {
-            strains: [[[zero; MOST_LANES]; 6]; P],
-            stresses: [[[zero; MOST_LANES]; 6]; P],
-            energies: [[[zero; MOST_LANES]; 4]; P],
-        });
+        let mut passed = Aligned(Passed::zeros());
+        let mut kept = Aligned([[[L::splat(token, 0.0); 3]; N]; AT_ONCE]);
         let wants_energy = self.survey.is_some()
             || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
         let nodes = self.batches.places.over(self.nodes);
-        for index in 0..self.batches.count(L::WIDTH) {
-            let batch = self
-                .batches
-                .batch(index, L::WIDTH, self.kernel.geometry_len());
+        let count = self.batches.count(L::WIDTH);
+        let at_once = const { if P == 1 { AT_ONCE } else { 1 } };
+        let mut told = false;
+        for index in 0..count {
+            let place = index % at_once;
+            if place == 0 {
+                let some = at_once.min(count - index);
+                for ahead in 0..some {
+                    let batch =
+                        (self.batches).batch(index + ahead, L::WIDTH, self.kernel.geometry_len());
+                    let geometry = Geometry::<L>::new(token, batch.geometry);
+                    gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
+                    let modes = self.kernel.modes(&nodal);
+                    let strains = self.kernel.strains(geometry, &modes);
+                    // Number by number: as a whole they would go through memory twice.
+                    for a in 0..N {
+                        for i in 0..3 {
+                            kept.0[ahead][a][i] = modes[a][i];
+                        }
+                    }
+                    for p in 0..P {
+                        for i in 0..6 {
+                            strains[p].0[i].store(&mut passed.0.strains[ahead][p][i]);
+                        }
+                    }
+                }
+                told = self.ask::<L>(index, some, wants_energy, &mut passed.0);
+            }
+            let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
             let geometry = Geometry::<L>::new(token, batch.geometry);
-            gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
-            let mut modes = self.kernel.modes(&nodal);
-            let strains = self.kernel.strains(geometry, &modes);
-            let (mut stresses, energies) =
-                self.ask::<L>(token, index, &strains, wants_energy, &mut numbers.0);
+            let modes = &mut kept.0[place];
+            let (mut stresses, energies) = passed.0.answer(token, place, told);
             if let (Memory::Write(history), true) = (&mut self.history, batch.active.is_some()) {
                 for lane in 0..L::WIDTH {
                     if !batch.has(batch.arrangement.element_in[lane]) {
@@ -203,7 +217,7 @@ where
                 each_lane(energy.sum.stored, &batch, |e, energy| {
                     survey[e].elastic = energy;
                 });
-                if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, &modes) {
+                if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, modes) {
                     each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
                 }
             }
@@ -241,7 +255,7 @@ where
             for p in 0..P {
                 watch.see(&stresses[p]);
             }
-            let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+            let forces = self.kernel.forces(geometry, &stresses, modulus, modes);
             let forces = self.kernel.nodal_forces(&forces);
             if let Some(out) = self.out.as_deref_mut() {
                 scatter::<A, L, N>(&forces, &batch, &mut rows.0, out);
@@ -251,11 +265,59 @@ where
     }
 }
 
+/// Batches that a law is asked for at once if they have one point per element: asking costs
+/// something, and more would not stay in the nearest cache.
+const AT_ONCE: usize = 4;
+
 /// What passes between kernel and law.
 struct Passed<S, const P: usize> {
-    strains: [PointNumbers<S, 6>; P],
-    stresses: [PointNumbers<S, 6>; P],
-    energies: [PointNumbers<S, 4>; P],
+    strains: [[PointNumbers<S, 6>; P]; AT_ONCE],
+    stresses: [[PointNumbers<S, 6>; P]; AT_ONCE],
+    energies: [[PointNumbers<S, 4>; P]; AT_ONCE],
+}
+
+impl<S: BatchScalar, const P: usize> Passed<S, P> {
+    #[inline(always)]
+    fn zeros() -> Self {
+        let zero = S::default();
+        Self {
+            strains: [[[[zero; MOST_LANES]; 6]; P]; AT_ONCE],
+            stresses: [[[[zero; MOST_LANES]; 6]; P]; AT_ONCE],
+            energies: [[[[zero; MOST_LANES]; 4]; P]; AT_ONCE],
+        }
+    }
+    /// Stresses at the points of one of the batches, and their energies if they were told.
+    #[inline(always)]
+    fn answer<L: BatchLane<Scalar = S>>(
+        &self,
+        token: L::Token,
+        place: usize,
+        told: bool,
+    ) -> ([Stress<L>; P], Option<[LawEnergy<L>; P]>) {
+        let mut stresses = [Stress::zero(token); P];
+        let zero = L::splat(token, 0.0);
+        let mut energies = [LawEnergy {
+            stored: zero,
+            plastic: zero,
+            damage: zero,
+            recovered: zero,
+        }; P];
+        for p in 0..P {
+            for i in 0..6 {
+                stresses[p].0[i] = L::load(token, &self.stresses[place][p][i]);
+            }
+            if told {
+                let numbers = &self.energies[place][p];
+                energies[p] = LawEnergy {
+                    stored: L::load(token, &numbers[0]),
+                    plastic: L::load(token, &numbers[1]),
+                    damage: L::load(token, &numbers[2]),
+                    recovered: L::load(token, &numbers[3]),
+                };
+            }
+        }
+        (stresses, if told { Some(energies) } else { None })
+    }
 }
 
 impl<K, A, S, const N: usize, const P: usize> Material<'_, K, A, S, N, P>
@@ -263,50 +325,33 @@ where
     A: BatchScalar,
     S: BatchScalar,
 {
-    /// Stresses at the points of a batch, and their energies if wanted and the law tells them;
-    /// writes the new histories.
+    /// Asks the law for successive batches, whose strains are there already; writes the new
+    /// histories. Yields whether energies were wanted and told.
     #[inline(always)]
     fn ask<L: BatchLane<Scalar = S>>(
         &mut self,
-        token: L::Token,
-        index: usize,
-        strains: &[Strain<L>; P],
+        first: usize,
+        count: usize,
         wants_energy: bool,
         passed: &mut Passed<S, P>,
-    ) -> ([Stress<L>; P], Option<[LawEnergy<L>; P]>) {
+    ) -> bool {
         let initial = self.state.initial;
-        for p in 0..P {
-            for i in 0..6 {
-                strains[p].0[i].store(&mut passed.strains[p][i]);
-            }
-        }
-        let told = self.law.answer(
+        self.law.answer(
             self.lanes,
             Question {
-                batch: index,
-                strains: &passed.strains,
-                initial: (!initial.is_empty()).then(|| &initial[6 * index * L::WIDTH..]),
-                sizes: &self.state.size[index * L::WIDTH..],
+                first,
+                points: P,
+                strains: passed.strains[..count].as_flattened(),
+                initial: (!initial.is_empty()).then(|| &initial[6 * first * L::WIDTH..]),
+                sizes: &self.state.size[first * L::WIDTH..],
                 memory: &mut self.history,
-                stresses: &mut passed.stresses,
-                energies: wants_energy.then_some(&mut passed.energies),
+                stresses: passed.stresses[..count].as_flattened_mut(),
+                energies: if wants_energy {
+                    Some(passed.energies[..count].as_flattened_mut())
+                } else {
+                    None
+                },
             },
-        );
-        let mut stresses = [Stress::zero(token); P];
-        for p in 0..P {
-            for i in 0..6 {
-                stresses[p].0[i] = L::load(token, &passed.stresses[p][i]);
-            }
-        }
-        let energy = |numbers: &PointNumbers<S, 4>| LawEnergy {
-            stored: L::load(token, &numbers[0]),
-            plastic: L::load(token, &numbers[1]),
-            damage: L::load(token, &numbers[2]),
-            recovered: L::load(token, &numbers[3]),
-        };
-        (
-            stresses,
-            told.then(|| passed.energies.each_ref().map(energy)),
         )
     }
 }

@@ -26,6 +26,10 @@ impl<S> Stepping<S> {
             self.in_step = law.map(|law| (length, law.for_step(length)));
         }
     }
+    /// Whether the last forces belong to a motion in steps, and not to a static state.
+    pub(super) fn is_stepping(&self) -> bool {
+        matches!(self.in_step, Some((length, _)) if length > 0.0)
+    }
     /// The law of the static state.
     pub(super) fn of_rest(&self) -> Option<&dyn BatchLaw<S>> {
         self.of_rest.as_deref()

@@ -11,6 +11,8 @@ use crate::MaterialError;
 const MOST_CORRECTIONS: usize = 60;
 /// The most halvings of one correction.
 const MOST_HALVINGS: usize = 12;
+/// Sweeps after which the parts of a tangent are given up; matrices of six rows need some ten.
+const MOST_ROTATIONS: usize = 200;
 /// A correction that leaves more than this share of the residual is slow: at a kink the quotients
 /// may come from different sides. What was seen along it then corrects the tangent (Broyden 1965).
 const SLOW: f64 = 0.3;
@@ -273,11 +275,12 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
                 let next = self.respond(&moved)?;
                 let remaining = rest(&next.0);
                 let gained = remaining.norm() < residual.norm();
-                if halvings == 0 && turns < MOST_TURNS && remaining.norm() > SLOW * residual.norm()
-                {
+                let length = correction.norm_squared();
+                let turns_left = turns < MOST_TURNS && length > 0.0;
+                if halvings == 0 && turns_left && remaining.norm() > SLOW * residual.norm() {
                     let seen = &residual - &remaining;
                     let missed = seen - &tangent * &correction;
-                    tangent += missed * correction.transpose() / correction.norm_squared();
+                    tangent += missed * correction.transpose() / length;
                     turns += 1;
                     if gained {
                         corrected = Some((tangent, turns));
@@ -318,12 +321,14 @@ fn correct(strain: &mut Strain, free: &[(usize, f64)], share: f64, correction: &
 /// The strains of a residual stress; directions without stiffness (on an edge of a yield surface,
 /// say) are taken as elastic.
 fn solve(tangent: DMatrix<f64>, residual: &DVector<f64>, modulus: f64) -> DVector<f64> {
-    let parts = tangent.svd(true, true);
-    let (Some(left), Some(right)) = (parts.u, parts.v_t) else {
+    let parts = tangent.try_svd(true, true, f64::EPSILON, MOST_ROTATIONS);
+    let Some((Some(left), Some(right), values)) =
+        parts.map(|parts| (parts.u, parts.v_t, parts.singular_values))
+    else {
         return residual / modulus;
     };
     let mut scaled = left.transpose() * residual;
-    for (entry, stiffness) in scaled.iter_mut().zip(parts.singular_values.iter()) {
+    for (entry, stiffness) in scaled.iter_mut().zip(values.iter()) {
         let is_none = *stiffness < NO_STIFFNESS * modulus;
         *entry /= if is_none { modulus } else { *stiffness };
     }

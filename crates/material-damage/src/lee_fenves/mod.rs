@@ -10,6 +10,7 @@ use powerhouse_model::{
 
 use crate::dual::Dual;
 use crate::energy::{difference, of_flow_and_damage};
+use crate::history;
 use crate::plastic_damage::{
     COMPRESSION, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE,
     share_of_tension, weaken,
@@ -283,7 +284,7 @@ impl ConstitutiveLaw for LeeFenves {
         let elastic = difference(&input.strain.0, old);
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let stress = input.initial + change;
-        new_history.copy_from_slice(old);
+        history::keep::<L, { HISTORY.len() }>(old, new_history);
         new_history[YIELD_STATE] = zero;
 
         let (mean, shear) = mean_and_shear(&stress);

@@ -205,17 +205,21 @@ impl Scene {
             motion.fill(FieldMotion::default());
             sampler.add_motion(self.start + instant as f64 * interval, &mut motion);
             for (motion, (point, normal)) in motion.iter().zip(&rim) {
-                fastest = fastest.max(motion.velocity.norm());
+                fastest = larger(fastest, motion.velocity.norm());
                 let traction = motion.stress.traction(normal).norm();
-                if traction > worst.0 {
+                if !(traction <= worst.0) {
                     worst = (traction, *point);
                 }
             }
         }
         let medium = field.medium();
+        if worst.0 == 0.0 {
+            return Ok(None);
+        }
         let share = worst.0 / (medium.density * medium.s_speed() * fastest);
         let position = worst.1;
-        Ok((share > TRACTION_OF_NOTE).then_some(Remark::LoadedSurface { share, position }))
+        let is_loaded = share.is_nan() || share > TRACTION_OF_NOTE;
+        Ok(is_loaded.then_some(Remark::LoadedSurface { share, position }))
     }
 }
 
@@ -232,14 +236,18 @@ pub(crate) fn box_corners(low: &Vec3, high: &Vec3) -> [Vec3; 8] {
     })
 }
 
-/// Displacement and velocity at the start over their peaks from then on, the larger of the two.
+/// Displacement and velocity at the start over their peaks from then on, the larger of the two; not
+/// a number if the field is none somewhere.
 fn start_level(sampler: &dyn FieldSampler, start: f64, duration: f64) -> f64 {
     let mut motion = vec![FieldMotion::default(); sampler.len()];
     let mut largest = |time: f64| {
         motion.fill(FieldMotion::default());
         sampler.add_motion(time, &mut motion);
         motion.iter().fold([0.0_f64; 2], |[u, v], m| {
-            [u.max(m.displacement.norm()), v.max(m.velocity.norm())]
+            [
+                larger(u, m.displacement.norm()),
+                larger(v, m.velocity.norm()),
+            ]
         })
     };
     let at_start = largest(start);
@@ -250,14 +258,20 @@ fn start_level(sampler: &dyn FieldSampler, start: f64, duration: f64) -> f64 {
     let mut peak = at_start;
     for instant in 1..=PEAK_INSTANTS {
         let now = largest(start + instant as f64 * interval);
-        peak = [peak[0].max(now[0]), peak[1].max(now[1])];
+        peak = [larger(peak[0], now[0]), larger(peak[1], now[1])];
     }
     let over = |i: usize| {
-        if at_start[i] > 0.0 {
-            at_start[i] / peak[i]
-        } else {
+        if at_start[i] == 0.0 {
             0.0
+        } else {
+            at_start[i] / peak[i]
         }
     };
-    over(0).max(over(1))
+    larger(over(0), over(1))
+}
+
+/// The larger of two numbers, or none if one of them is none: what a field is not known to do must
+/// not pass for rest.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
