@@ -163,6 +163,13 @@ impl Fixture {
         let context = BlockContext::new((0, 0.0, 1e-4), NodalView::F64(u), NodalView::F64(v));
         self.forces_at(&context).unwrap()
     }
+    /// Forces of a body at rest, in a step of no length.
+    fn static_forces(&mut self, u: &[Quad<f64>]) -> Vec<Vec3> {
+        let rest = zeros(u.len());
+        let views = [NodalView::F64(u), NodalView::F64(&rest)];
+        let context = BlockContext::new((0, 0.0, 0.0), views[0], views[1]);
+        self.forces_at(&context).unwrap()
+    }
     fn forces_at(&mut self, context: &BlockContext) -> Result<Vec<Vec3>, ElementFault> {
         let count = self.block.nodes().len();
         match context.displacement {

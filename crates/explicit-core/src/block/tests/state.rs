@@ -175,7 +175,7 @@ fn the_ledger_closes() {
     }
 }
 
-/// For a law without memory in a state of uniform damage the secant is the stress over strain, and
+/// For a law without memory in a static state of uniform damage the secant is the stress over strain, and
 /// the tangent the derivative of the forces.
 #[test]
 fn secant_and_tangent_follow_the_state() {
@@ -183,8 +183,7 @@ fn secant_and_tangent_follow_the_state() {
         let mut fixture = Fixture::new(kernel, Softening(rock()), BlockOptions::default());
         let gradient = GRADIENT * 1e-3;
         let u = fixture.field(|x| gradient * x);
-        let rest = zeros(u.len());
-        let forces = fixture.forces(&u, &rest);
+        let forces = fixture.static_forces(&u);
         let scale = largest(&forces);
         let secant = fixture.apply(Operator::Secant, &u);
         for (secant, force) in secant.iter().zip(&forces) {
@@ -199,7 +198,7 @@ fn secant_and_tangent_follow_the_state() {
                 .zip(&direction)
                 .map(|(u, d)| Quad::from_vector(&(u.to_vector() + d.to_vector() * offset)))
                 .collect();
-            fixture.forces(&moved, &rest)
+            fixture.static_forces(&moved)
         };
         let (plus, minus) = (at(h), at(-h));
         for ((tangent, plus), minus) in tangent.iter().zip(&plus).zip(&minus) {
