@@ -6,15 +6,15 @@
 //!
 //! | law | parameters | history | limits | ns |
 //! |---|---|---|---|---|
-//! | [`LinearElastic`] | elastic medium | none | no strength | 9 |
-//! | [`ElastoPlastic`] of [`MohrCoulomb`] | friction, dilation, cohesion, cut-off | 8: plastic strain, equivalent plastic strain, yield state | perfectly plastic | 48, 410 |
-//! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only | 38, 370 |
-//! | [`ElastoPlastic`] of [`TwoSurface`] | friction, dilation, cohesion, both uniaxial strengths | the same 8 | perfectly plastic; `f_c / f_t` above `N` | 52, 450 |
-//! | [`ElastoPlastic`] of [`HoekBrown`] | strength and constant of intact rock, geological strength index, disturbance, share of dilation | the same 8 | perfectly plastic; isotropic rock mass | 54, 5500 |
-//! | [`SofteningPlasticity`] of any surface | surface, [`StrengthFall`], residual share | 10: also plastic shortening, strength lost | elements up to [`largest_size`](SofteningPlasticity::largest_size); opening alone softens nothing | 46, 890 |
-//! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions | 46, 610 |
-//! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 13 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak | 54, 1400 |
-//! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) | 42, 670 |
+//! | [`LinearElastic`] | elastic medium | none | no strength | 12 |
+//! | [`ElastoPlastic`] of [`MohrCoulomb`] | friction, dilation, cohesion, cut-off | 8: plastic strain, equivalent plastic strain, yield state | perfectly plastic | 40, 270 |
+//! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only | 31, 63 |
+//! | [`ElastoPlastic`] of [`TwoSurface`] | friction, dilation, cohesion, both uniaxial strengths | the same 8 | perfectly plastic; `f_c / f_t` above `N` | 49, 250 |
+//! | [`ElastoPlastic`] of [`HoekBrown`] | strength and constant of intact rock, geological strength index, disturbance, share of dilation | the same 8 | perfectly plastic; isotropic rock mass | 48, 3700 |
+//! | [`SofteningPlasticity`] of any surface | surface, [`StrengthFall`], residual share | 10: also plastic shortening, strength lost | elements up to [`largest_size`](SofteningPlasticity::largest_size); opening alone softens nothing | 40, 750 |
+//! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions | 40, 440 |
+//! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 13 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak | 51, 1500 |
+//! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) | 40, 440 |
 //! | [`FlatDamping`] of any of them | [`RelaxationSpectrum`], [`ReferenceFrequency`] | 6 more per mechanism | damping within a band of frequencies; waves get dispersive, the stable step 10 % shorter at 5 % | more by a few per mechanism |
 //!
 //! The last column is what a point costs in double precision, one after the other, in nanoseconds on
@@ -49,6 +49,8 @@
 //! *What no closed form solves is solved for one unknown within a bracket* ([`LeeFenves`],
 //! [`HoekBrown`], [`SofteningPlasticity`]): the deviator, or the flow on a face, keeps its direction, so
 //! all else is a function of the amount of flow. There is no starting point from which it diverges.
+//! *Principal axes come from the value that stands apart*, a root of a cubic that is never double, and
+//! one rotation across it: sweeps of rotations took three quarters of a yielding step.
 //! *One rule picks among faces, edges and corners*: all candidates are computed, the one that
 //! violates the conditions least is taken. There is no order of cases to get wrong, and packs of
 //! points need no branches.

@@ -182,9 +182,9 @@ impl<'a> BlockContext<'a> {
 pub enum Operator {
     /// Initial stiffness.
     Elastic,
-    /// Stress over strain at the present state.
+    /// Stress over strain in the static state of the last forces, those of a step of no length.
     Secant,
-    /// Derivative of stress at the present state.
+    /// Derivative of stress in that state.
     Tangent,
 }
 

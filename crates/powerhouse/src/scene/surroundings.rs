@@ -207,7 +207,7 @@ impl Scene {
             for (motion, (point, normal)) in motion.iter().zip(&rim) {
                 fastest = larger(fastest, motion.velocity.norm());
                 let traction = motion.stress.traction(normal).norm();
-                if !(traction <= worst.0) {
+                if traction.is_nan() || traction > worst.0 {
                     worst = (traction, *point);
                 }
             }
