@@ -4,7 +4,7 @@ use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Stress, array, each,
 };
 
-use crate::energy::{self, Step};
+use crate::energy;
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::surface::{Flow, YieldSurface};
 use crate::{ElasticInSeries, tangent};
@@ -108,15 +108,12 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
-        let none = new_history[EQUIVALENT].constant(0.0);
-        let step = Step {
-            medium: &self.surface.medium(),
+        Some(energy::of_flow(
+            &self.surface.medium(),
             input,
-            elastic: energy::difference(&input.strain.0, new_history),
-            flowed: Some(energy::difference(new_history, input.history)),
-            damage: [none; 2],
-        };
-        Some(step.energy())
+            new_history,
+            None,
+        ))
     }
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let elastic = energy::difference(&input.strain.0, input.history);

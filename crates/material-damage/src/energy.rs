@@ -59,20 +59,24 @@ impl<L: Lane> Step<'_, L> {
 }
 
 /// [`LawEnergy`] of a step of plastic flow, whose strain begins the history, with the damage at a
-/// place of it.
+/// place of it, if there is any.
 #[inline(always)]
-pub(crate) fn of_flow_and_damage<L: Lane>(
+pub(crate) fn of_flow<L: Lane>(
     medium: &ElasticMedium,
     input: &LawInput<L>,
     new_history: &[L],
-    damage: usize,
+    damage: Option<usize>,
 ) -> LawEnergy<L> {
+    let damage = match damage {
+        Some(place) => [input.history[place], new_history[place]],
+        None => [input.size.constant(0.0); 2],
+    };
     let step = Step {
         medium,
         input,
         elastic: difference(&input.strain.0, new_history),
         flowed: Some(difference(new_history, input.history)),
-        damage: [input.history[damage], new_history[damage]],
+        damage,
     };
     step.energy()
 }

@@ -9,7 +9,7 @@ use crate::dual::Dual;
 use crate::energy::Step;
 use crate::history::{self, number};
 use crate::softening::{
-    STEEPEST, damage_of, damage_of_falling_stress, inverse_rate_in_total_strain,
+    STEEPEST, check_size, damage_of, damage_of_falling_stress, inverse_rate_in_total_strain,
 };
 use crate::surface::{mean_and_shear, stiffened};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
@@ -149,9 +149,9 @@ impl Mazars {
     /// [`MaterialError::SnapBack`] names the largest permitted width,
     /// [`MaterialError::Hardening`] the product `B e0` of one too small.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
-        ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
-        match self.permitted_sizes() {
-            Some([_, largest]) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
+        let sizes = self.permitted_sizes();
+        check_size(size, sizes.map(|[_, largest]| largest))?;
+        match sizes {
             Some([least, _]) if size < least => Err(MaterialError::Hardening {
                 product: self.parameters.threshold / self.inverse_rate(size),
             }),

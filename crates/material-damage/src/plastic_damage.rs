@@ -6,9 +6,9 @@ use powerhouse_model::{
 };
 
 use crate::dual::Dual;
-use crate::energy::{difference, of_flow_and_damage};
+use crate::energy::{self, difference};
 use crate::history::{self, PLASTIC_STRAINS, number};
-use crate::softening::DamageCurve;
+use crate::softening::{DamageCurve, check_size};
 use crate::surface::{FlowInAxes, YieldSurface, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, tangent};
 
@@ -165,11 +165,7 @@ impl<S: YieldSurface> PlasticDamage<S> {
     /// # Errors
     /// [`MaterialError::SnapBack`] names the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
-        ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
-        match self.largest_size() {
-            Some(largest) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
-            _ => Ok(()),
-        }
+        check_size(size, self.largest_size())
     }
 }
 
@@ -311,7 +307,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let medium = self.medium();
-        Some(of_flow_and_damage(&medium, input, new_history, DAMAGE))
+        Some(energy::of_flow(&medium, input, new_history, Some(DAMAGE)))
     }
     /// The consistent one; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

@@ -1,6 +1,8 @@
 //! Principal values and directions of symmetric tensors, many at once.
 
-use powerhouse_model::{Lane, Scalar, Stress, array, each};
+use powerhouse_model::{Lane, Stress, array, each};
+
+use crate::root::rounding;
 
 /// The greatest root of `x^3 - 3 x = 2 h` for `h` from 0 to 1, to 1e-5: Chebyshev interpolation,
 /// powers of `h`.
@@ -127,9 +129,8 @@ impl<L: Lane> PrincipalAxes<L> {
 /// inverse.
 #[inline(always)]
 fn balance<L: Lane>(size: L) -> (L, L) {
-    let single = L::Scalar::from_f64(1.0 + f64::EPSILON).to_f64() == 1.0;
     // Beyond these powers of two the balance of this power of two is applied.
-    let (large, small, power) = if single {
+    let (large, small, power) = if rounding::<L>() > f64::EPSILON {
         (40, -40, 80)
     } else {
         (400, -400, 520)

@@ -8,6 +8,15 @@ use crate::exponential::decay;
 /// The least inverse of a softening rate: what an element of a size that is not permitted gets.
 pub(crate) const STEEPEST: f64 = 1.0e-12;
 
+/// Refuses an element of a width (m) at which softening to the largest permitted one (m) snaps back.
+pub(crate) fn check_size(size: f64, largest: Option<f64>) -> Result<(), MaterialError> {
+    ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
+    match largest {
+        Some(largest) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
+        _ => Ok(()),
+    }
+}
+
 /// How damage of one kind, tensile or compressive, grows with its equivalent plastic strain `e`.
 ///
 /// `d = 1 - (1 - A) e0 / e - A exp(-B (e - e0))` beyond the threshold `e0`, zero before

@@ -7,10 +7,11 @@ use powerhouse_model::{
 
 use crate::dual::Dual;
 use crate::elasto_plastic::equivalent;
-use crate::energy::{self, Step};
+use crate::energy;
 use crate::exponential::decay;
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::root::{Function, rounding, zero_between};
+use crate::softening::check_size;
 use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, tangent};
 
@@ -187,11 +188,7 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
     /// # Errors
     /// [`MaterialError::SnapBack`] names the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
-        ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
-        match self.largest_size() {
-            Some(largest) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
-            _ => Ok(()),
-        }
+        check_size(size, self.largest_size())
     }
 
     /// `b` in an element of a width (m).
@@ -333,15 +330,7 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
-        let none = new_history[EQUIVALENT].constant(0.0);
-        let step = Step {
-            medium: &self.medium(),
-            input,
-            elastic: energy::difference(&input.strain.0, new_history),
-            flowed: Some(energy::difference(new_history, input.history)),
-            damage: [none; 2],
-        };
-        Some(step.energy())
+        Some(energy::of_flow(&self.medium(), input, new_history, None))
     }
     /// The consistent one; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

@@ -6,7 +6,7 @@ use crate::{MaterialError, PrincipalAxes};
 
 /// A trial stress further out than this many times the returned one is not corrected but
 /// replaced: the correction would carry the rounding of the trial.
-pub(crate) const FAR: f64 = 64.0;
+const FAR: f64 = 64.0;
 
 /// How a point yields; the number stands in the history as `yield_state`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use powerhouse_model::{Lane, each};
 use super::{LeeFenves, ROOT_3};
 use crate::plastic_damage::share_of_tension;
 use crate::root::{Function, rounding, zero_between};
-use crate::surface::FAR;
+use crate::surface::far_lanes;
 
 /// A trial of the effective stress.
 pub(super) struct Trial<L> {
@@ -35,12 +35,11 @@ pub(super) struct Flowed<L> {
 }
 
 impl<L: Lane> Flowed<L> {
-    /// Whether the trial was [`FAR`]: the difference to it would carry its rounding.
+    /// The lanes of which the trial is [far](far_lanes) from this state.
     #[inline(always)]
-    pub(super) fn is_far(&self, trial: &Trial<L>) -> L::Mask {
+    pub(super) fn far_from(&self, trial: &Trial<L>) -> Option<L::Mask> {
         let [mean, shear] = self.invariants;
-        let size = mean.abs() + shear;
-        (size * size.constant(FAR)).less(trial.mean.abs() + trial.shear)
+        far_lanes(mean.abs() + shear, trial.mean.abs() + trial.shear)
     }
 }
 

@@ -9,12 +9,13 @@ use powerhouse_model::{
 };
 
 use crate::dual::Dual;
-use crate::energy::{difference, of_flow_and_damage};
+use crate::energy::{self, difference};
 use crate::history;
 use crate::plastic_damage::{
     COMPRESSION, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE,
     share_of_tension, weaken,
 };
+use crate::softening::check_size;
 use crate::surface::{YieldState, mean_and_shear, stiffened};
 use crate::uniaxial::UniaxialCurve;
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
@@ -200,12 +201,7 @@ impl LeeFenves {
     /// # Errors
     /// [`MaterialError::SnapBack`] names the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
-        ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
-        let largest = self.largest_size();
-        if size >= largest {
-            return Err(MaterialError::SnapBack { size, largest });
-        }
-        Ok(())
+        check_size(size, Some(self.largest_size()))
     }
 
     /// The yield function of an effective stress with a history in an element of a width (m),
@@ -370,8 +366,7 @@ impl ConstitutiveLaw for LeeFenves {
                 change.0[i] = (change.0[i] - loss).select(yielded, change.0[i]);
                 new_history[i] = (old[i] + plastic).select(yielded, old[i]);
             }
-            let is_far = flowed.is_far(&trial);
-            if first.any(is_far) {
+            if let Some(is_far) = flowed.far_from(&trial) {
                 let factor = self.shrinking(&trial, &flowed);
                 let left = one - flowed.released;
                 for i in 0..6 {
@@ -399,7 +394,7 @@ impl ConstitutiveLaw for LeeFenves {
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let medium = &self.parameters.medium;
-        Some(of_flow_and_damage(medium, input, new_history, DAMAGE))
+        Some(energy::of_flow(medium, input, new_history, Some(DAMAGE)))
     }
     /// The consistent one; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
