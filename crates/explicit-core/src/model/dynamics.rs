@@ -1,13 +1,37 @@
 //! The operations of a step.
 
 use powerhouse_model::{
-    BlockContext, Dynamics, ForceTerms, MassDampingRule, PredictedMotion, RunError, Vec3,
+    BlockContext, Dynamics, ElementBlock, ElementFault, ForceTerms, MassDampingRule,
+    PredictedMotion, Quad, RunError, Vec3,
 };
 use rayon::prelude::*;
 
 use super::Model;
 use crate::applied::split;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
+
+/// Forces of all blocks, each in its buffer; yields the first that fails, its set and its fault.
+///
+/// The history of the last step becomes the old one on the way if it is to be committed, while the
+/// block is in the cache.
+pub(crate) fn block_forces<S: Storage>(
+    blocks: &mut [Box<dyn ElementBlock>],
+    buffers: Vec<&mut [Quad<S>]>,
+    context: &BlockContext,
+    commit: bool,
+) -> Option<(String, ElementFault)> {
+    blocks
+        .par_iter_mut()
+        .zip(buffers)
+        .with_max_len(1)
+        .find_map_first(|(block, buffer)| {
+            if commit {
+                block.commit();
+            }
+            let fault = block.forces(context, Storage::view_mut(buffer)).err()?;
+            Some((block.label().to_string(), fault))
+        })
+}
 
 impl Dynamics for Model {
     fn time(&self) -> f64 {
@@ -101,21 +125,7 @@ impl Model {
             .with_ledger(ledger.is_some());
             let buffers = split(forces, lengths);
             let (fault, ()) = rayon::join(
-                || {
-                    blocks
-                        .par_iter_mut()
-                        .zip(buffers)
-                        .with_max_len(1)
-                        .find_map_first(|(block, buffer)| {
-                            // The history of the last step becomes the old one on the way, while
-                            // the block is in the cache.
-                            if commit {
-                                block.commit();
-                            }
-                            let fault = block.forces(&context, Storage::view_mut(buffer)).err()?;
-                            Some((block.label().to_string(), fault))
-                        })
-                },
+                || block_forces(blocks, buffers, &context, commit),
                 || loads.evaluate(when.1),
             );
             loads.sums.write_plain(external);

@@ -22,6 +22,7 @@ use crate::nodes::Nodes;
 use crate::stable_step::Spectrum;
 
 pub use builder::{ElementChoice, ModelBuilder};
+pub(crate) use dynamics::block_forces;
 
 /// A constraint with the places where it acts, and its buffers.
 pub(crate) struct Bound {

@@ -25,6 +25,11 @@ impl Model {
     pub(crate) fn displacement_of(&self, node: usize) -> Vec3 {
         with_nodes!(&self.nodes, arrays => arrays.displacement[node].to_vector())
     }
+    /// The displacement (m) of every node, in the engine's numbering.
+    pub(crate) fn displacements(&self) -> Vec<Vec3> {
+        let nodes = 0..self.mass.len();
+        nodes.map(|node| self.displacement_of(node)).collect()
+    }
     pub(crate) fn velocity_of(&self, node: usize) -> Vec3 {
         with_nodes!(&self.nodes, arrays => arrays.velocity[node].to_vector())
     }

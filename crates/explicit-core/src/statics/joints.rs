@@ -110,9 +110,7 @@ impl Model {
             forces[lead] -= group.spring * (self.displacement_of(lead) - origin);
         }
         self.gather_members(&mut forces);
-        let displacement: Vec<Vec3> = (0..self.mass.len())
-            .map(|node| self.displacement_of(node))
-            .collect();
+        let displacement = self.displacements();
         let groups = &self.groups.groups;
         let held = self.held_pairs().len();
         for bound in &mut self.constraints {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::StaticError;
 use crate::Model;
 use crate::applied::split;
+use crate::model::block_forces;
 use crate::nodes::{Storage, with_nodes};
 use crate::spectrum::norm;
 
@@ -155,15 +156,7 @@ impl Model {
                 Storage::view(&arrays.displacement),
                 Storage::view(&arrays.velocity),
             );
-            let buffers = split(&mut arrays.forces, lengths);
-            blocks
-                .par_iter_mut()
-                .zip(buffers)
-                .with_max_len(1)
-                .find_map_first(|(block, buffer)| {
-                    let fault = block.forces(&context, Storage::view_mut(buffer)).err()?;
-                    Some((block.label().to_string(), fault))
-                })
+            block_forces(blocks, split(&mut arrays.forces, lengths), &context, false)
         });
         match fault {
             None => Ok(()),

@@ -85,8 +85,7 @@ impl<'a> System<'a> {
 
     /// The displacement of every node (m).
     pub(super) fn displacement(&self) -> Vec<Vec3> {
-        let nodes = 0..self.model.mass.len();
-        nodes.map(|node| self.model.displacement_of(node)).collect()
+        self.model.displacements()
     }
 
     /// The applied forces at the present time (N), less those that the initial stress asks for, and
@@ -131,13 +130,7 @@ impl<'a> System<'a> {
     /// What of the applied forces the last internal forces and the springs do not balance (N).
     pub(super) fn residual(&self, applied: &[Vec3], u: &[Vec3]) -> Vec<Vec3> {
         let model = &*self.model;
-        let slots = &model.slots;
-        let mut internal: Vec<Vec3> = with_nodes!(&model.nodes, arrays => {
-            (0..u.len())
-                .into_par_iter()
-                .map(|node| arrays.internal(slots, node))
-                .collect()
-        });
+        let mut internal = model.internal_forces();
         for (group, origin) in model.groups.groups.iter().zip(&model.groups.origin) {
             let lead = group.members[0] as usize;
             internal[lead] += group.spring * (u[lead] - origin);
