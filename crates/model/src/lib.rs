@@ -56,7 +56,7 @@ pub use lane::{Lane, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, LawInput, PointAdapter, PointLaw,
 };
-pub use load::{NodalLoad, TimeFunction};
+pub use load::{NodalLoad, Table, TimeFunction};
 pub use medium::ElasticMedium;
 pub use mesh::{
     Axis, ElementKind, Facet, FacetGeometry, Located, Mesh, MeshBuilder, MeshError, NodeTributary,

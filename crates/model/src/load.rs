@@ -1,6 +1,6 @@
 //! Loads.
 
-use crate::Vec3;
+use crate::{ParameterError, Vec3};
 
 /// A number as a function of time (s).
 ///
@@ -18,6 +18,61 @@ pub trait TimeFunction: Send + Sync {
 impl<F: Fn(f64) -> f64 + Send + Sync> TimeFunction for F {
     fn value(&self, time: f64) -> f64 {
         self(time)
+    }
+}
+
+/// A function of time given by points: straight lines between them, constant outside.
+///
+/// ```
+/// use powerhouse_model::{Table, TimeFunction};
+/// let table = Table::new(&[1.0, 2.0, 4.0], &[0.0, 10.0, -10.0])?;
+/// let values = [0.0, 1.5, 2.0, 3.0, 9.0].map(|time| table.value(time));
+/// assert_eq!(values, [0.0, 5.0, 10.0, 0.0, -10.0]);
+/// assert!(Table::new(&[1.0, 1.0], &[0.0, 5.0]).is_err());
+/// # Ok::<(), powerhouse_model::ParameterError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    points: Vec<[f64; 2]>,
+}
+
+impl Table {
+    /// A table of times (s), each later than the one before, and as many values.
+    ///
+    /// # Errors
+    /// No time, another number of values, a time that is not later than the one before, a number
+    /// that is not finite.
+    pub fn new(times: &[f64], values: &[f64]) -> Result<Self, ParameterError> {
+        let count = times.len() as f64;
+        ParameterError::check("number of times", count, 1.0, f64::MAX)?;
+        ParameterError::check("number of values", values.len() as f64, count, count)?;
+        let mut least = f64::MIN;
+        for (&time, &value) in times.iter().zip(values) {
+            ParameterError::check("time", time, least, f64::MAX)?;
+            ParameterError::check("value", value, f64::MIN, f64::MAX)?;
+            least = time.next_up();
+        }
+        let points = times
+            .iter()
+            .zip(values)
+            .map(|(&time, &value)| [time, value]);
+        Ok(Self {
+            points: points.collect(),
+        })
+    }
+}
+
+impl TimeFunction for Table {
+    fn value(&self, time: f64) -> f64 {
+        let after = self.points.partition_point(|&[t, _]| t <= time);
+        let last = self.points.len() - 1;
+        let [t0, v0] = self.points[after.saturating_sub(1)];
+        let [t1, v1] = self.points[after.min(last)];
+        if t1 > t0 {
+            v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
+        } else {
+            v0
+        }
     }
 }
 

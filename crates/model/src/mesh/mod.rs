@@ -7,6 +7,7 @@ mod facet;
 mod generate;
 mod kind;
 mod locate;
+mod near;
 mod select;
 mod shape;
 mod sides;

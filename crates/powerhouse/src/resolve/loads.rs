@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use powerhouse_explicit_core::{
     FacePressure, FaceTraction, NodalForce, PeriodicPairs, Prescribed, Profile, Support,
 };
-use powerhouse_model::{TimeFunction, Vec3};
+use powerhouse_model::{Table, TimeFunction, Vec3};
 use powerhouse_wavefield::{EndDisplacement, Signal};
 
 use super::record::PreparedRecord;
@@ -216,50 +216,16 @@ fn history<T>(
         Some(Function::Table { times, values }) => {
             let times: Vec<f64> = times.iter().copied().map(Finite::get).collect();
             let values: Vec<f64> = values.iter().map(|v| factor * v.get()).collect();
-            let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
-            if times.is_empty() || times.len() != values.len() || !rising {
-                return Err(Fault::new(
+            let table = Table::new(&times, &values).map_err(|_| {
+                Fault::new(
                     place.span(),
                     Problem::Value {
                         found: format!("{} times and {} values", times.len(), values.len()),
                         expected: "a table of as many values as rising times".into(),
                     },
-                ));
-            }
-            Box::new(move |t: f64| interpolate(&times, &values, t))
+                )
+            })?;
+            Box::new(table)
         }
     })
-}
-
-/// Straight lines between points, constant outside.
-fn interpolate(times: &[f64], values: &[f64], time: f64) -> f64 {
-    let after = times.partition_point(|&t| t <= time);
-    if after == 0 {
-        return values[0];
-    }
-    if after == times.len() {
-        return values[after - 1];
-    }
-    let share = (time - times[after - 1]) / (times[after] - times[after - 1]);
-    values[after - 1] + share * (values[after] - values[after - 1])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A table of a function of time is linear between its points and constant outside.
-    #[test]
-    fn a_table_is_linear_inside_and_constant_outside() {
-        let (times, values) = ([1.0, 2.0, 4.0], [0.0, 10.0, -10.0]);
-        for (time, expected) in [
-            (0.0, 0.0),
-            (1.5, 5.0),
-            (2.0, 10.0),
-            (3.0, 0.0),
-            (9.0, -10.0),
-        ] {
-            assert_eq!(interpolate(&times, &values, time), expected);
-        }
-    }
 }
