@@ -111,15 +111,18 @@ fn greatest_tangential(schur: &DMatrix<f64>, first: usize) -> f64 {
 
 /// The inverse of a symmetric positive semi-definite matrix on its range.
 ///
-/// Rows are scaled to a unit diagonal first, so that masses of very different size do not look like
-/// a lost rank. Of the impulses of a closed ring of pairs, which are not unique, this takes those
-/// with the least sum of `G_ii p_i^2`.
+/// Pairs are scaled to a unit greatest diagonal first, so that masses of very different size do not
+/// look like a lost rank; the three rows of a pair alike, so that directions stay what they are. Of
+/// impulses that are not unique this takes those with the least sum of `G_max p^2` over the pairs:
+/// around a closed ring no more than needed, and nothing along directions in which supports hold both
+/// nodes of a pair, whose reactions need not pass through the joint.
 fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let count = matrix.nrows();
     let scale = DVector::from_fn(count, |i, _| {
-        let diagonal = matrix[(i, i)];
-        if diagonal > 0.0 {
-            1.0 / diagonal.sqrt()
+        let pair = i - i % 3;
+        let greatest = (pair..pair + 3).fold(0.0_f64, |most, row| most.max(matrix[(row, row)]));
+        if greatest > 0.0 {
+            1.0 / greatest.sqrt()
         } else {
             0.0
         }

@@ -2,8 +2,8 @@
 
 use core::f64::consts::PI;
 
-use powerhouse_contact::{BondedCoulomb, Joint};
-use powerhouse_model::{ContactState, JointPair, Mat3, Vec3};
+use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint};
+use powerhouse_model::{Bond, Constraint, ContactState, JointPair, Mat3, PredictedMotion, Vec3};
 
 use crate::{Bodies, Noise, oblique};
 
@@ -223,4 +223,41 @@ fn friction_opposes_slip_where_masses_differ_between_directions() {
         assert!(bodies.residual(initial).abs() < 1e-12 * initial);
     }
     assert!(slid > 200, "{slid}");
+}
+
+/// Where supports let both sides of a dipping joint move in some directions only, the joint carries the
+/// force along those and no more: a bond of little strength holds what is far below it, with one free
+/// direction as with two.
+#[test]
+fn supports_take_their_share_of_what_a_dipping_joint_carries() {
+    let law = BondedCoulomb::new(BondedCoulombParameters {
+        cohesion: 0.3,
+        tensile_strength: 0.1,
+        static_friction: 0.8,
+        dynamic_friction: 0.6,
+        cohesion_loss: true,
+    })
+    .unwrap();
+    // A dip of one in ten along x, rollers across x, and in the second case across y, too.
+    let pair = JointPair::new([0, 1], Vec3::new(-0.1, 0.0, 1.0), 2.0);
+    let step = 1e-3;
+    for free in [Vec3::new(0.0, 1.0, 1.0), Vec3::z()] {
+        let mut joint = Joint::new("seam", vec![pair], law).unwrap();
+        let free = Mat3::from_diagonal(&free);
+        let (masses, force) = ([free / 2.0, free / 3.0], Vec3::new(0.0, 0.0, -4.0));
+        let rest = [Vec3::zeros(); 2];
+        let mut velocity = [masses[0] * -force * step, masses[1] * force * step];
+        let when = (0, 0.0, step);
+        let motion = PredictedMotion::new(when, &rest, &rest, &mut velocity, &masses);
+        joint.correct(motion).unwrap();
+        let record = &joint.records()[0];
+        let carried = pair.to_global(&record.traction) * pair.area;
+        assert!((carried - force).norm() < 1e-12, "{carried}");
+        let state = record.state;
+        assert_eq!(
+            (state.contact, state.bond),
+            (ContactState::Stick, Bond::Intact)
+        );
+        assert!(velocity.iter().all(|v| v.norm() < 1e-18), "{velocity:?}");
+    }
 }
