@@ -26,6 +26,8 @@ struct Bolt {
     direction: Vec3,
     bar: Bar,
     points: Vec<[Point; 2]>,
+    /// Mesh index of the element that each segment is in.
+    hosts: Vec<u32>,
     /// Axial displacements (m) at which it was installed.
     reference: Vec<[f64; 2]>,
     committed: BarState,
@@ -66,6 +68,11 @@ impl BoltBlock {
                     direction: bolt.direction,
                     points: (bolt.segments.iter())
                         .map(|segment| segment.ends.each_ref().map(point))
+                        .collect(),
+                    hosts: bolt
+                        .segments
+                        .iter()
+                        .map(|segment| segment.element)
                         .collect(),
                     reference: vec![[0.0; 2]; count],
                     committed: state.clone(),
@@ -172,20 +179,26 @@ impl ElementBlock for BoltBlock {
             for (moved, reference) in moved.iter_mut().zip(&bolt.reference) {
                 *moved = [moved[0] - reference[0], moved[1] - reference[1]];
             }
-            let finite = moved.iter().flatten().all(|u| u.is_finite());
+            let broken = |ends: &[f64; 2]| ends.iter().any(|u| !u.is_finite());
+            if let Some(place) = moved.iter().position(broken) {
+                return Err(ElementFault {
+                    element: bolt.hosts[place],
+                    reason: format!(
+                        "a node has a displacement that is not finite where bolt {index} crosses it"
+                    ),
+                });
+            }
             let mut forces = core::mem::take(&mut bolt.forces);
             let (old, new) = (&bolt.committed, &mut bolt.latest);
             let found = bolt.bar.forces(&moved, old, new, &mut forces);
             bolt.forces = forces;
-            if found.is_none() || !finite {
-                let reason = if finite {
-                    format!("bolt {index} finds no balance in its grout")
-                } else {
-                    format!("a node of bolt {index} has a displacement that is not finite")
-                };
+            if found.is_none() {
+                let stretch = |ends: &[f64; 2]| (ends[1] - ends[0]).abs();
+                let worst = moved.iter().map(stretch).enumerate();
+                let worst = worst.max_by(|a, b| a.1.total_cmp(&b.1));
                 return Err(ElementFault {
-                    element: index as u32,
-                    reason,
+                    element: bolt.hosts[worst.map_or(0, |(place, _)| place)],
+                    reason: format!("bolt {index} finds no balance in its grout"),
                 });
             }
             bolt.spread(&bolt.forces, &mut sums);

@@ -18,6 +18,7 @@ pub struct Stage<'a> {
     name: String,
     excavated: Vec<u32>,
     cast: Vec<u32>,
+    renewed: Vec<String>,
     options: StaticOptions,
     build: Box<StageModel<'a>>,
 }
@@ -33,6 +34,7 @@ impl<'a> Stage<'a> {
             name: name.into(),
             excavated: Vec::new(),
             cast: Vec::new(),
+            renewed: Vec::new(),
             options: StaticOptions::default(),
             build: Box::new(build),
         }
@@ -48,6 +50,13 @@ impl<'a> Stage<'a> {
     #[must_use]
     pub fn cast(mut self, elements: &[u32]) -> Self {
         self.cast.extend_from_slice(elements);
+        self
+    }
+    /// The same with joints (by name) that forget what has become of them first: those that the
+    /// stage has start as their laws do, as after grouting, those that it ties or lacks are gone.
+    #[must_use]
+    pub fn renew_joints<N: Into<String>>(mut self, joints: impl IntoIterator<Item = N>) -> Self {
+        self.renewed.extend(joints.into_iter().map(Into::into));
         self
     }
     /// The same with other options of the static solution.
@@ -91,6 +100,7 @@ impl<'a> Stage<'a> {
         if !self.cast.is_empty() {
             state.cast(&self.cast);
         }
+        (state.joints).retain(|joint| !self.renewed.contains(&joint.name));
         let built = (self.build)(Model::builder(mesh).start(state));
         let built = built.and_then(ModelBuilder::build);
         built.map_err(|source| StageError::Model {

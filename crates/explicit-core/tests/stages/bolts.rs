@@ -7,8 +7,8 @@ use powerhouse_explicit_core::{
     StepChoice, Support, run, run_stages,
 };
 use powerhouse_model::{
-    ElasticMedium, ElementBlock, Mesh, NodalView, NodalViewMut, Numbering, Operator, Quad, State,
-    Strain, Vec3,
+    BlockContext, ElasticMedium, ElementBlock, Mesh, NodalView, NodalViewMut, Numbering, Operator,
+    Quad, State, Strain, Vec3,
 };
 
 use super::{
@@ -279,6 +279,40 @@ fn bolts_cost_no_step() {
         println!("step with bolts over step without: {ratio}");
         assert!(ratio > 0.998 && ratio < 1.0 + 1.0e-12, "{ratio}");
     }
+}
+
+/// A fault in a bolt names an element of the mesh that the bolt crosses there, and the bolt: the node
+/// that is lost belongs to that element.
+#[test]
+fn a_fault_names_the_element_that_the_bolt_crosses() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(4.0), [4; 3], "ground").unwrap();
+    let line = |x: f64| BoltLine {
+        head: Vec3::new(x, 0.5, 4.0),
+        toe: Vec3::new(x, 0.6, 0.2),
+    };
+    let steel = BoltParameters::steel(0.025).unwrap();
+    let hosts = all_elements(&mesh);
+    let bolts = BoltSet::new("bolts", &mesh, &hosts, &[line(0.5), line(3.5)], steel).unwrap();
+    let numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
+    let numbering = Numbering {
+        engine_of: numbers.clone(),
+        mesh_of: numbers.clone(),
+    };
+    let mut block = (bolts.block())(&numbering);
+    let lost = mesh.nodes_in_box(&Vec3::new(4.0, 0.0, 1.0), &Vec3::new(4.0, 0.0, 1.0));
+    let mut moved = vec![Quad::<f64>::default(); numbers.len()];
+    let still = moved.clone();
+    moved[lost[0] as usize].values[2] = f64::NAN;
+    let views = (NodalView::F64(&moved), NodalView::F64(&still));
+    let context = BlockContext::new((0, 0.0, 1.0e-3), views.0, views.1);
+    let mut out = vec![Quad::<f64>::default(); block.nodes().len()];
+    let fault = block
+        .forces(&context, NodalViewMut::F64(&mut out))
+        .unwrap_err();
+    let crossed: Vec<u32> = bolts.segments(1).map(|segment| segment.element).collect();
+    assert!(crossed.contains(&fault.element), "{fault:?}");
+    assert!(mesh.nodes_of(fault.element).contains(&lost[0]), "{fault:?}");
+    assert!(fault.reason.contains("bolt 1"), "{fault:?}");
 }
 
 /// Bolts with a pretension hold soft ground together before the earthquake and through it: after the
