@@ -116,10 +116,7 @@ fn salencon(dilation: f64, expected: f64) -> Outcome<[f64; 2]> {
     let (mesh, core) = ring()?;
     let rock: Box<StageModel> = Box::new(|builder| {
         let builder = builder
-            .elements(
-                "rock",
-                BRICK.factory("rock", law, BlockOptions::default()),
-            )
+            .elements("rock", BRICK.factory("rock", law, BlockOptions::default()))
             .support(Support::roller(nodes(&mesh, "front")?, Vec3::y()))
             .support(Support::roller(nodes(&mesh, "back")?, Vec3::x()))
             .support(Support::roller(nodes(&mesh, "bottom")?, Vec3::z()))
