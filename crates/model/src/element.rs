@@ -1,6 +1,8 @@
 //! Elements: arithmetic on a batch, and blocks of them behind one virtual call.
 
-use crate::{ElementKind, HistoryField, Lane, Mat3, NodalView, NodalViewMut, Strain, Stress, Vec3};
+use crate::{
+    ElementKind, HistoryField, Lane, Mat3, NodalView, NodalViewMut, Quad, Strain, Stress, Vec3,
+};
 
 /// The geometry numbers of one batch of elements, read where they are used.
 ///
@@ -347,6 +349,34 @@ pub trait ElementBlock: Send + Sync {
     fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut);
     /// Adds the 3 x 3 diagonal blocks of the operator, in the order of [`nodes`](Self::nodes).
     fn diagonal(&self, operator: Operator, out: &mut [Mat3]);
+    /// Shows the matrices that the operator is the sum of, one after another: engine numbers of the
+    /// nodes that a matrix couples, and its entries (N/m), row by row, three rows and three columns
+    /// per node.
+    ///
+    /// By default the block is one matrix of all its nodes, each column an [`apply`](Self::apply):
+    /// right for a few nodes, too much for many.
+    fn each_matrix(&self, operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
+        let nodes = self.nodes();
+        let count = nodes.iter().max().map_or(0, |&most| most as usize + 1);
+        let mut unit = vec![Quad::<f64>::default(); count];
+        let mut forces = vec![Quad::<f64>::default(); nodes.len()];
+        let size = 3 * nodes.len();
+        let mut matrix = vec![0.0; size * size];
+        for column in 0..size {
+            let node = nodes[column / 3] as usize;
+            unit[node].values[column % 3] = 1.0;
+            self.apply(
+                operator,
+                NodalView::F64(&unit),
+                NodalViewMut::F64(&mut forces),
+            );
+            unit[node].values[column % 3] = 0.0;
+            for row in 0..size {
+                matrix[row * size + column] = forces[row / 3].values[row % 3];
+            }
+        }
+        show(nodes, &matrix);
+    }
     /// Adds lumped masses (kg), in the order of [`nodes`](Self::nodes).
     fn add_mass(&self, out: &mut [f64]);
     /// The bound of each element.

@@ -133,6 +133,27 @@ where
         }
     }
 
+    /// Shows the matrix of every active element.
+    pub(super) fn show_matrices(&self, operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
+        let size = 3 * N;
+        let mut matrix = vec![0.0; size * size];
+        self.each_element(operator, |element, forces| {
+            for column in 0..size {
+                let mut nodal = [[0.0; 3]; N];
+                nodal[column / 3][column % 3] = 1.0;
+                let forces = forces(&nodal);
+                for row in 0..size {
+                    matrix[row * size + column] = forces[row / 3][row % 3];
+                }
+            }
+            let places = self.places.as_slice()[element];
+            show(
+                &places.map(|place| self.nodes.numbers[place as usize]),
+                &matrix,
+            );
+        });
+    }
+
     /// Adds the nodal forces of stresses that are the same all over each element.
     pub(super) fn add_forces_of_stress(&self, stresses: &[Stress], out: &mut [Vec3]) {
         let modulus = self.moduli.constrained();

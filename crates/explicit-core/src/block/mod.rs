@@ -413,6 +413,9 @@ where
     fn diagonal(&self, operator: Operator, out: &mut [Mat3]) {
         self.add_diagonal(operator, out);
     }
+    fn each_matrix(&self, operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
+        self.show_matrices(operator, show);
+    }
     fn add_mass(&self, out: &mut [f64]) {
         for (element, masses) in self.masses.iter().enumerate() {
             if self.is_active(element) {

@@ -130,6 +130,39 @@ impl Bolt {
         points.map(|ends| ends.each_ref().map(along)).collect()
     }
 
+    /// Places of the nodes that it hangs on, in rising order.
+    fn places(&self) -> Vec<u32> {
+        let hosts = self.points.iter().flatten().flat_map(|point| &point.0);
+        let mut places: Vec<u32> = hosts.map(|&(place, _)| place).collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    }
+
+    /// For each of its places, the axial forces (N/m) at all of them if that one alone moves by one
+    /// along the bolt, elastic.
+    fn each_column(&self, mut show: impl FnMut(u32, &[(u32, f64)])) {
+        let weight = |point: &Point, place: u32| -> f64 {
+            let own = point.0.iter().filter(|&&(other, _)| other == place);
+            own.map(|&(_, weight)| weight).sum()
+        };
+        let places = self.places();
+        let mut forces = vec![[0.0; 2]; self.points.len()];
+        for &moved in &places {
+            let unit: Vec<[f64; 2]> = (self.points.iter())
+                .map(|ends| ends.each_ref().map(|point| weight(point, moved)))
+                .collect();
+            self.bar.elastic(&unit, &mut forces);
+            let at = |&place: &u32| {
+                let points = self.points.iter().flatten().zip(forces.iter().flatten());
+                let sum = points.map(|(point, force)| weight(point, place) * force);
+                (place, sum.sum())
+            };
+            let column: Vec<(u32, f64)> = places.iter().map(at).collect();
+            show(moved, &column);
+        }
+    }
+
     /// Adds axial forces at its points to the nodes.
     fn spread(&self, forces: &[[f64; 2]], out: &mut [Vec3]) {
         for (points, forces) in self.points.iter().zip(forces) {
@@ -224,23 +257,33 @@ impl ElementBlock for BoltBlock {
     fn diagonal(&self, _operator: Operator, out: &mut [Mat3]) {
         for bolt in &self.bolts {
             let across = bolt.direction * bolt.direction.transpose();
-            let places = bolt.points.iter().flatten().flat_map(|point| &point.0);
-            let mut places: Vec<u32> = places.map(|&(place, _)| place).collect();
-            places.sort_unstable();
-            places.dedup();
-            let mut forces = vec![[0.0; 2]; bolt.points.len()];
-            for place in places {
-                let weight = |point: &Point| -> f64 {
-                    let own = point.0.iter().filter(|&&(other, _)| other == place);
-                    own.map(|&(_, weight)| weight).sum()
-                };
-                let unit: Vec<[f64; 2]> = (bolt.points.iter())
-                    .map(|ends| ends.each_ref().map(weight))
-                    .collect();
-                bolt.bar.elastic(&unit, &mut forces);
-                let terms = unit.iter().flatten().zip(forces.iter().flatten());
-                out[place as usize] += across * terms.map(|(w, f)| w * f).sum::<f64>();
-            }
+            bolt.each_column(|place, forces| {
+                let own = forces.iter().find(|(other, _)| *other == place);
+                out[place as usize] += across * own.map_or(0.0, |(_, force)| *force);
+            });
+        }
+    }
+    fn each_matrix(&self, _operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
+        for bolt in &self.bolts {
+            let places = bolt.places();
+            let size = 3 * places.len();
+            let mut matrix = vec![0.0; size * size];
+            let across = bolt.direction * bolt.direction.transpose();
+            let mut first = 0;
+            bolt.each_column(|_, forces| {
+                for (row, (_, force)) in forces.iter().enumerate() {
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            matrix[(3 * row + i) * size + first + j] = across[(i, j)] * force;
+                        }
+                    }
+                }
+                first += 3;
+            });
+            let nodes: Vec<u32> = (places.iter())
+                .map(|&place| self.nodes[place as usize])
+                .collect();
+            show(&nodes, &matrix);
         }
     }
     fn add_mass(&self, _out: &mut [f64]) {}
