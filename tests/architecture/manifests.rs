@@ -44,7 +44,8 @@ fn permitted(package: &str) -> Vec<&'static str> {
     }
 }
 
-/// What a package may take from the registry at run time, where that is to stay little.
+/// What a package may take from the registry at run time, where that is to stay little; by feature
+/// alone where a dependency is optional.
 fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
     match package {
         "powerhouse-model" => Some(&["nalgebra", "thiserror", "serde"]),
@@ -52,7 +53,7 @@ fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
             Some(&["nalgebra", "thiserror"])
         }
         "powerhouse-wavefield" => Some(&["nalgebra", "thiserror", "realfft"]),
-        "powerhouse-explicit-core" => Some(&["nalgebra", "thiserror", "rayon", "pulp"]),
+        "powerhouse-explicit-core" => Some(&["nalgebra", "thiserror", "rayon", "pulp", "faer"]),
         _ => None,
     }
 }

@@ -84,7 +84,18 @@
 //! *A body comes to rest by its elastic operator* ([`Model::equilibrate`]): conjugate gradients need
 //! nothing but the blocks' products, no matrix is ever assembled. Laws that yield take more
 //! corrections of the same kind, each combined with the last ones, instead of tangents that few laws
-//! have and that need not be symmetric.
+//! have and that need not be symmetric. The feature `direct` adds a Cholesky factor of the assembled
+//! operator for those who solve often and have the memory; Cholesky, not an `LU`, because the elastic
+//! operator is symmetric and its factor serves all corrections, so that tangents are worth it only
+//! where they are symmetric too.
+//!
+//! *The direct solver cuts space, not the graph*: elements are compact and meshes fill space, so that
+//! a plane through the middle is a separator as good as a partitioner's, found by sorting.
+//!
+//! *Joints relax in steps, laws in one*: which pairs slide or open first decides what the others
+//! bear, so they are asked step by step, by the very corrections that they make in a dynamic run.
+//! Elements answer for an increment as a whole, as in the other methods, and come to the same rest;
+//! if their history went along with the steps, swings that no load made would leave their traces.
 //!
 //! *A stage is a new model of the same mesh and state*, not a list of switches: whatever changes
 //! between stages, numbering and blocks are made for what is there. Nothing is lost on the way,
@@ -139,5 +150,9 @@ pub use run::{
 };
 pub use stable_step::StableStep;
 pub use stage::{Stage, StageError, StageEvent, StageModel, StageReport, StressField, run_stages};
-pub use statics::{HandOverReport, StaticError, StaticOptions, StaticProgress, StaticReport};
+#[cfg(feature = "direct")]
+pub use statics::Linearisation;
+pub use statics::{
+    HandOverReport, StaticError, StaticMethod, StaticOptions, StaticProgress, StaticReport,
+};
 pub use support::{PeriodicPairs, Prescribed, Support};

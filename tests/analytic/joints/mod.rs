@@ -1,5 +1,6 @@
 //! Joints in columns of bricks, against closed forms.
 
+mod at_rest;
 mod bars;
 mod bonded;
 mod crack;

@@ -24,11 +24,34 @@ pub enum StaticError {
         /// The motion that nothing resists.
         motion: String,
     },
-    /// A node that nothing resists.
-    #[error("node {node} has no stiffness")]
+    /// A node that nothing resists, or a set next to whose stiffness that of others is all there is.
+    #[error("set '{set}' gives node {node} no stiffness")]
     NoStiffness {
         /// The node's number.
         node: u64,
+        /// The set of an element at it.
+        set: String,
+    },
+    /// A stiffness that has no Cholesky factor.
+    #[error(
+        "the stiffness is not positive definite at node {node} (element {element} of set '{set}'): \
+         something there softens, or is free to move"
+    )]
+    NotDefinite {
+        /// The node whose elimination failed.
+        node: u64,
+        /// An element at it.
+        element: u64,
+        /// That element's set.
+        set: String,
+    },
+    /// A factor for which there is no memory.
+    #[error("a direct solution of {unknowns} unknowns needs {bytes} bytes that are not there")]
+    NoMemory {
+        /// Unknown displacements.
+        unknowns: usize,
+        /// Bytes of the piece of memory that was refused.
+        bytes: usize,
     },
     /// A constraint that knows no static form.
     #[error("'{name}' has no static form")]
@@ -38,8 +61,8 @@ pub enum StaticError {
     },
     /// A joint whose law does not admit the tractions that hold it together.
     #[error(
-        "joint '{joint}' slides or opens at {pairs} of {of} pairs: a static solution takes what \
-         sticks for one body"
+        "joint '{joint}' slides or opens at {pairs} of {of} pairs: this method takes what sticks for \
+         one body; dynamic relaxation lets it move"
     )]
     JointMoves {
         /// The joint.

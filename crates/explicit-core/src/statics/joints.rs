@@ -1,6 +1,6 @@
 //! Joints and ties in statics: what holds together is one, as long as its law admits it.
 
-use powerhouse_model::{ContactState, Mat3, PredictedMotion, Vec3};
+use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, Vec3};
 
 use super::{Parts, StaticError};
 use crate::Model;
@@ -10,24 +10,38 @@ use crate::groups::Group;
 /// depend on it.
 const SOME_STEP: f64 = 1.0e-4;
 
+/// Which pairs of joints count as held together, beside ties.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Held {
+    /// Those that stick.
+    Sticking,
+    /// All that are not open.
+    Closed,
+}
+
 impl Model {
-    /// Engine nodes of the pairs that constraints hold together: ties, and pairs of joints that stick.
-    fn held_pairs(&self) -> Vec<[u32; 2]> {
+    /// Engine nodes of the pairs that constraints hold together.
+    fn held_pairs(&self, held: Held) -> Vec<[u32; 2]> {
+        let together = |state: ContactState| match held {
+            Held::Sticking => state == ContactState::Stick,
+            Held::Closed => state != ContactState::Open,
+        };
         let mut pairs = Vec::new();
         for bound in &self.constraints {
             pairs.extend(bound.constraint.ties());
             for joint in bound.constraint.joints() {
-                let together = joint.pairs.iter().zip(joint.records);
-                let together = together.filter(|(_, r)| r.state.contact == ContactState::Stick);
-                pairs.extend(together.map(|(pair, _)| pair.nodes));
+                let known = joint.pairs.iter().zip(joint.records);
+                let known = known.filter(|(_, record)| together(record.state.contact));
+                pairs.extend(known.map(|(pair, _)| pair.nodes));
             }
         }
         let engine = |pair: [u32; 2]| pair.map(|node| self.engine(node) as u32);
         pairs.into_iter().map(engine).collect()
     }
 
-    /// Refuses constraints that know neither ties nor joints, and joints with pairs that slide.
-    pub(super) fn check_joints(&self) -> Result<(), StaticError> {
+    /// Refuses constraints that know neither ties nor joints, and joints with pairs that slide unless
+    /// they may.
+    pub(super) fn check_joints(&self, held: Held) -> Result<(), StaticError> {
         for bound in &self.constraints {
             let joints = bound.constraint.joints();
             if joints.is_empty() && bound.constraint.ties().is_empty() {
@@ -38,7 +52,7 @@ impl Model {
             for joint in joints {
                 let states = joint.records.iter().map(|record| record.state.contact);
                 let sliding = states.filter(|state| *state == ContactState::Slide).count();
-                if sliding > 0 {
+                if sliding > 0 && held == Held::Sticking {
                     return Err(StaticError::JointMoves {
                         joint: joint.name.into(),
                         pairs: sliding,
@@ -51,8 +65,8 @@ impl Model {
     }
 
     /// Calls `join` with the mesh nodes of every pair that is held together.
-    pub(super) fn each_held_pair(&self, mut join: impl FnMut(u32, u32)) {
-        for pair in self.held_pairs() {
+    pub(super) fn each_held_pair(&self, held: Held, mut join: impl FnMut(u32, u32)) {
+        for pair in self.held_pairs(held) {
             let [a, b] = pair.map(|node| self.numbering.mesh_of[node as usize]);
             join(a, b);
         }
@@ -62,7 +76,7 @@ impl Model {
     pub(super) fn joined_groups(&self) -> Result<Vec<Group>, StaticError> {
         let groups = &self.groups.groups;
         let mut parts = Parts::new(groups.len());
-        for [a, b] in self.held_pairs() {
+        for [a, b] in self.held_pairs(Held::Sticking) {
             // Nodes of constraints always have groups.
             if let (Some(a), Some(b)) = (self.group_of[a as usize], self.group_of[b as usize]) {
                 parts.join(a, b);
@@ -92,6 +106,99 @@ impl Model {
         Ok(joined.into_iter().flatten().collect())
     }
 
+    /// The lead of a node's group.
+    fn lead(&self, node: u32) -> usize {
+        let group = self.group_of[node as usize].map(|g| &self.groups.groups[g as usize]);
+        group.map_or(node, |group| group.members[0]) as usize
+    }
+
+    /// Tells the constraints the length of the steps (s) to come, and the inverse effective masses of
+    /// leads (1/kg, engine numbering).
+    pub(super) fn prepare_joints(&mut self, step: f64, inverse: &[Mat3]) {
+        let mut constraints = core::mem::take(&mut self.constraints);
+        for bound in &mut constraints {
+            let leads = bound.nodes().iter().map(|&node| self.lead(node));
+            let inverse: Vec<Mat3> = leads.map(|lead| inverse[lead]).collect();
+            bound.constraint.prepare(step, &inverse);
+        }
+        self.constraints = constraints;
+        // The matrices of the joints are those of another step now.
+        self.prepared = None;
+    }
+
+    /// Lets the constraints correct the velocities of leads (m/s, engine numbering) in a step, from a
+    /// displacement and the velocities before.
+    pub(super) fn correct_joints(
+        &mut self,
+        step: f64,
+        (displacement, before): (&[Vec3], &[Vec3]),
+        velocity: &mut [Vec3],
+        inverse: &[Mat3],
+    ) -> Result<(), StaticError> {
+        let when = (self.number, self.time, step);
+        let mut constraints = core::mem::take(&mut self.constraints);
+        let corrected = constraints.iter_mut().try_for_each(|bound| {
+            let nodes = bound.nodes().iter();
+            let here: Vec<Vec3> = nodes.map(|&node| displacement[node as usize]).collect();
+            let leads: Vec<usize> = bound.nodes().iter().map(|&n| self.lead(n)).collect();
+            let of_leads =
+                |values: &[Vec3]| -> Vec<Vec3> { leads.iter().map(|&lead| values[lead]).collect() };
+            let (before, mut own) = (of_leads(before), of_leads(velocity));
+            let inverse: Vec<Mat3> = leads.iter().map(|&lead| inverse[lead]).collect();
+            let motion = PredictedMotion::new(when, &here, &before, &mut own, &inverse);
+            if let Err(error) = bound.constraint.correct(motion) {
+                return Err(StaticError::Joint {
+                    name: bound.constraint.name().into(),
+                    reason: error.to_string(),
+                });
+            }
+            for (lead, own) in leads.into_iter().zip(own) {
+                velocity[lead] = own;
+            }
+            Ok(())
+        });
+        self.constraints = constraints;
+        corrected
+    }
+
+    /// What has become of the joints.
+    pub(super) fn joint_histories(&self) -> Vec<JointHistory> {
+        let joints = self.joints();
+        joints.map(|joint| JointHistory::from(&joint)).collect()
+    }
+
+    /// Puts the joints into an earlier state.
+    pub(super) fn restore_joints(&mut self, histories: &[JointHistory]) {
+        for history in histories {
+            for bound in &mut self.constraints {
+                if bound.constraint.restore(history) {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Lets what slid stick where it has come to rest at a displacement (m, engine numbering), and
+    /// forgets the impacts of the way there, which are those of masses that are none.
+    pub(super) fn rest_joints(&mut self, before: &[JointHistory], u: &[Vec3]) {
+        let mut histories = Vec::new();
+        for (joint, before) in self.joints().zip(before) {
+            let mut history = JointHistory::from(&joint);
+            let records = history.records.iter_mut().zip(&before.records);
+            for ((record, before), pair) in records.zip(joint.pairs) {
+                record.impact = before.impact;
+                if record.state.contact == ContactState::Slide {
+                    record.state.contact = ContactState::Stick;
+                    let [first, second] = pair.nodes.map(|node| u[self.engine(node)]);
+                    let offset = pair.to_local(&(second - first));
+                    record.anchor = Some([offset.y, offset.z]);
+                }
+            }
+            histories.push(history);
+        }
+        self.restore_joints(&histories);
+    }
+
     /// Lets the joints take the forces that hold them at rest, and refuses those whose law does not.
     pub(super) fn load_joints(&mut self) -> Result<(), StaticError> {
         if self.constraints.is_empty() {
@@ -110,44 +217,29 @@ impl Model {
             forces[lead] -= group.spring * (self.displacement_of(lead) - origin);
         }
         self.gather_members(&mut forces);
-        let displacement = self.displacements();
         let groups = &self.groups.groups;
-        let held = self.held_pairs().len();
-        for bound in &mut self.constraints {
-            let nodes = bound.nodes();
-            let of = |node: &u32| {
-                let group = self.group_of[*node as usize].map(|g| &groups[g as usize]);
-                let lead = group.map_or(*node, |group| group.members[0]) as usize;
-                let mass = group.map_or(self.mass[*node as usize], |group| group.mass);
-                let inverse = match mass > 0.0 {
-                    true => Mat3::identity() / mass,
-                    false => Mat3::zeros(),
-                };
-                let inverse = match group {
-                    Some(group) => group.condition.project(&inverse).0,
-                    None => inverse,
-                };
-                (inverse, inverse * forces[lead] * SOME_STEP)
+        let inverse = |node: usize| {
+            let group = self.group_of[node].map(|g| &groups[g as usize]);
+            let mass = group.map_or(self.mass[node], |group| group.mass);
+            let inverse = match mass > 0.0 {
+                true => Mat3::identity() / mass,
+                false => Mat3::zeros(),
             };
-            let (inverse, mut velocity): (Vec<Mat3>, Vec<Vec3>) = nodes.iter().map(of).unzip();
-            let here: Vec<Vec3> = nodes.iter().map(|&n| displacement[n as usize]).collect();
-            let still = vec![Vec3::zeros(); here.len()];
-            bound.constraint.prepare(SOME_STEP, &inverse);
-            let when = (self.number, self.time, SOME_STEP);
-            let motion = PredictedMotion::new(when, &here, &still, &mut velocity, &inverse);
-            if let Err(error) = bound.constraint.correct(motion) {
-                return Err(StaticError::Joint {
-                    name: bound.constraint.name().into(),
-                    reason: error.to_string(),
-                });
-            }
-        }
-        // The matrices of the joints are those of another step now.
-        self.prepared = None;
-        if self.held_pairs().len() == held {
+            group.map_or(inverse, |group| group.condition.project(&inverse).0)
+        };
+        let inverse: Vec<Mat3> = (0..self.mass.len()).map(inverse).collect();
+        let mut velocity: Vec<Vec3> = (inverse.iter().zip(&forces))
+            .map(|(inverse, force)| inverse * force * SOME_STEP)
+            .collect();
+        let displacement = self.displacements();
+        let still = vec![Vec3::zeros(); displacement.len()];
+        let held = self.held_pairs(Held::Sticking).len();
+        self.prepare_joints(SOME_STEP, &inverse);
+        self.correct_joints(SOME_STEP, (&displacement, &still), &mut velocity, &inverse)?;
+        if self.held_pairs(Held::Sticking).len() == held {
             return Ok(());
         }
-        self.check_joints()?;
+        self.check_joints(Held::Sticking)?;
         let mut moved = (String::new(), 0, 0);
         for joint in self.joints() {
             let states = joint.records.iter().map(|record| record.state.contact);

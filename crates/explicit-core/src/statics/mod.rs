@@ -1,93 +1,39 @@
 //! Static equilibrium of a model: increments of load, a preconditioned conjugate gradient on the
 //! element blocks, and accelerated iteration for laws that are not linear.
 
+mod corrector;
+#[cfg(feature = "direct")]
+mod direct;
 mod error;
+#[cfg(feature = "direct")]
+mod freedoms;
 mod gradients;
 mod joints;
 mod mixing;
+mod options;
 mod parts;
+mod relaxation;
 mod rest;
 mod support_check;
 mod system;
 
 pub use error::StaticError;
+#[cfg(feature = "direct")]
+pub use options::Linearisation;
+pub use options::{StaticMethod, StaticOptions};
 pub use rest::HandOverReport;
 
-use powerhouse_model::{ParameterError, Vec3};
+use powerhouse_model::Vec3;
 
 use crate::Model;
+use corrector::Corrector;
+use joints::Held;
 use mixing::Mixing;
 use parts::Parts;
+use relaxation::Relaxation;
 use system::System;
 
 use crate::spectrum::norm;
-
-/// How far a static solution goes.
-///
-/// ```
-/// use powerhouse_explicit_core::StaticOptions;
-/// let options = StaticOptions::default().with_tolerance(1.0e-10);
-/// assert!(options.check().is_ok());
-/// assert!(options.with_tolerance(0.0).check().is_err());
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaticOptions {
-    /// The gate: the norm of the forces out of balance over that of the load; 1e-8 by default.
-    pub tolerance: f64,
-    /// Increments that the load comes in, more where one does not converge; 1 by default.
-    pub increments: u32,
-    /// Corrections in one increment before it is cut in half; 100 by default.
-    pub corrections: u32,
-    /// The smallest share of the load that an increment may be cut to; 1e-3 by default.
-    pub least_increment: f64,
-    /// The share of what is out of balance at the start that comes; 1 by default. Less leaves the
-    /// rest standing, as a face ahead that still bears, until the next solution.
-    pub release: f64,
-}
-
-impl Default for StaticOptions {
-    fn default() -> Self {
-        Self {
-            tolerance: 1.0e-8,
-            increments: 1,
-            corrections: 100,
-            least_increment: 1.0e-3,
-            release: 1.0,
-        }
-    }
-}
-
-impl StaticOptions {
-    /// The same with another gate.
-    #[must_use]
-    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
-        self.tolerance = tolerance;
-        self
-    }
-    /// The same with so many increments.
-    #[must_use]
-    pub fn with_increments(mut self, increments: u32) -> Self {
-        self.increments = increments;
-        self
-    }
-    /// The same with a share of what is out of balance that comes.
-    #[must_use]
-    pub fn with_release(mut self, release: f64) -> Self {
-        self.release = release;
-        self
-    }
-    /// Whether every field is in its range.
-    ///
-    /// # Errors
-    /// The first that is not.
-    pub fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::check("tolerance", self.tolerance, 1.0e-14, 1.0)?;
-        ParameterError::check("increments", f64::from(self.increments), 1.0, 1.0e6)?;
-        ParameterError::check("corrections", f64::from(self.corrections), 1.0, 1.0e6)?;
-        ParameterError::check("least_increment", self.least_increment, 1.0e-9, 1.0)?;
-        ParameterError::check("release", self.release, 1.0e-6, 1.0)
-    }
-}
 
 /// What a static solution took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,6 +44,12 @@ pub struct StaticReport {
     pub corrections: u32,
     /// Products of the elastic operator.
     pub products: u64,
+    /// Factorisations of the operator; zero without a direct solver.
+    pub factorisations: u32,
+    /// Entries of the factor, eight bytes each.
+    pub factor_entries: u64,
+    /// Steps of a dynamic relaxation.
+    pub steps: u64,
     /// Forces out of balance in the end over the load, below the gate.
     pub residual: f64,
     /// Norm of the load (N): the largest of applied forces, those that the initial stress asks for,
@@ -105,12 +57,12 @@ pub struct StaticReport {
     pub load: f64,
 }
 
-/// Progress of a static solution, shown after each correction.
+/// Progress of a static solution, shown after each correction or a hundred steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticProgress {
     /// The share of the load that acts.
     pub share: f64,
-    /// Corrections in this increment.
+    /// Corrections in this increment, or steps of a dynamic relaxation.
     pub correction: u32,
     /// Forces out of balance over the load.
     pub residual: f64,
@@ -119,7 +71,7 @@ pub struct StaticProgress {
 /// Corrections that are remembered.
 const REMEMBERED: usize = 8;
 /// How much of an increment's first residual the linear solver leaves in laws that are not linear.
-const FORCING: f64 = 1.0e-3;
+const FORCING: f64 = 1.0e-2;
 /// Of what the gate asks, how much the linear solver leaves.
 const MARGIN: f64 = 0.1;
 
@@ -131,7 +83,7 @@ impl Model {
     ///
     /// `K_e du = f_ext - f_int(u)`
     ///
-    /// by conjugate gradients with the inverse of the nodal 3 x 3 diagonal. For linear laws one
+    /// by conjugate gradients or as else the [method](StaticMethod) says. For linear laws one
     /// correction suffices; for others the corrections are combined with up to eight earlier ones
     /// so that the next is smallest (Anderson 1965). The history of an increment is
     /// committed once it balances; an increment that does not is tried anew by halves.
@@ -142,7 +94,9 @@ impl Model {
     /// time. Laws that depend on time are static.
     ///
     /// Ties and pairs of joints that stick are one node for the solution; in the end the joints take
-    /// their tractions, which their laws must admit. Pairs that are open stay so.
+    /// their tractions, which their laws must admit. Pairs that are open stay so. Where that is not
+    /// how it ends, [`StaticMethod::DynamicRelaxation`] lets joints slide, open and close; pairs that
+    /// slid stick where they came to rest.
     ///
     /// In the end velocities are zero, and what the body lacks to be at rest beside its loads,
     /// the residual under the gate too, acts on as standing forces: stepped on with the same
@@ -164,20 +118,33 @@ impl Model {
         options: &StaticOptions,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<StaticReport, StaticError> {
-        self.check_static()?;
+        let relaxes = options.method == StaticMethod::DynamicRelaxation;
+        self.check_static(if relaxes {
+            Held::Closed
+        } else {
+            Held::Sticking
+        })?;
         self.settle();
         self.commit();
+        let mut report = StaticReport::default();
         let mut system = System::new(self)?;
+        let mut solver = match options.method {
+            StaticMethod::DynamicRelaxation => {
+                system.part()?;
+                Solver::Relaxation(Relaxation::new(&system, options.steps))
+            }
+            _ => Solver::Corrector(Corrector::new(options.method, &system, &mut report)?),
+        };
         let mut u = system.displacement();
         let (target, size) = system.external();
         system.forces(&u)?;
         // What is balanced at the start stays balanced: the rest is the load that comes.
-        let first = system.residual(&target, &u);
+        let mut first = system.residual(&target, &u);
+        if let Solver::Relaxation(relaxation) = &solver {
+            first = relaxation.beside_joints(&mut system, &first, &u)?;
+        }
         let driven = system.prescribed_change(&u);
-        let mut report = StaticReport {
-            load: size.max(norm(&first)),
-            ..StaticReport::default()
-        };
+        report.load = size.max(norm(&first));
         let moves = driven.iter().any(|(_, change)| *change != Vec3::zeros());
         let end = options.release;
         let (mut done, mut share) = (0.0, end / f64::from(options.increments));
@@ -199,18 +166,27 @@ impl Model {
             let rest: Vec<Vec3> = (target.iter().zip(&first))
                 .map(|(f, r)| f - r * (1.0 - next))
                 .collect();
-            let balance = Balance {
+            let increment = Increment {
                 options,
+                applied: &rest,
                 load: report.load,
                 share: next,
             };
-            match balance.find(&mut system, &rest, trial, &mut report, progress) {
+            let found = match &mut solver {
+                Solver::Corrector(corrector) => {
+                    increment.find((&mut system, corrector), trial, &mut report, progress)
+                }
+                Solver::Relaxation(relaxation) => {
+                    relaxation.find(&mut system, &increment, trial, &mut report, progress)
+                }
+            };
+            match found {
                 Ok(found) => {
                     u = found;
                     system.commit();
                     done = next;
                 }
-                Err(StaticError::NotConverged { .. })
+                Err(StaticError::NotConverged { .. } | StaticError::NotDefinite { .. })
                     if 0.5 * (next - done) >= options.least_increment =>
                 {
                     share = 0.5 * (next - done);
@@ -222,35 +198,46 @@ impl Model {
             }
         }
         system.finish(&u);
-        self.load_joints()?;
+        // A relaxation has asked the joints already.
+        if !relaxes {
+            self.load_joints()?;
+        }
         self.hold()?;
         Ok(report)
     }
 }
 
+/// What finds the state of an increment.
+enum Solver {
+    Corrector(Corrector),
+    Relaxation(Relaxation),
+}
+
 /// One increment.
-struct Balance<'a> {
+struct Increment<'a> {
     options: &'a StaticOptions,
+    /// Forces (N) that act in it.
+    applied: &'a [Vec3],
+    /// What residuals are measured by (N); zero if it is yet to be found.
     load: f64,
     share: f64,
 }
 
-impl Balance<'_> {
-    /// The displacement at which the forces `applied` balance, from a first guess.
+impl Increment<'_> {
+    /// The displacement at which forces balance, by corrections of a first guess.
     fn find(
         &self,
-        system: &mut System,
-        applied: &[Vec3],
+        (system, corrector): (&mut System, &mut Corrector),
         mut u: Vec<Vec3>,
         report: &mut StaticReport,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
         let mut load = self.load;
         let mut mixing = Mixing::new(REMEMBERED);
-        let mut correction = 0;
+        let (mut correction, mut last) = (0, f64::INFINITY);
         loop {
             system.forces(&u)?;
-            let residual = system.residual(applied, &u);
+            let residual = system.residual(self.applied, &u);
             let size = norm(&residual);
             if load == 0.0 {
                 // Prescribed motions alone: what they let go at first.
@@ -278,9 +265,14 @@ impl Balance<'_> {
             } else {
                 gate.max(FORCING)
             };
-            let (mut step, products) = gradients::solve(system, &residual, left)?;
+            let mut step = corrector.correct(system, &residual, left, report)?;
             system.spread(&mut step);
-            report.products += products;
+            if corrector.follows_the_state() && size < last {
+                // Newton's own pace, which earlier corrections would only slow down: 10 corrections
+                // where they make 32 of it.
+                mixing = Mixing::new(REMEMBERED);
+            }
+            last = size;
             mixing.advance(&mut u, step);
         }
     }

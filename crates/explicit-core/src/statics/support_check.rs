@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3x6, Matrix6, Vector6};
 use powerhouse_model::{Mat3, Vec3};
 
+use super::joints::Held;
 use super::{Parts, StaticError};
 use crate::Model;
 
@@ -23,8 +24,8 @@ fn rigid(place: &Vec3) -> Matrix3x6<f64> {
 impl Model {
     /// Refuses constraints without a static form, and parts that supports, springs and ties leave
     /// a rigid motion.
-    pub(super) fn check_static(&self) -> Result<(), StaticError> {
-        self.check_joints()?;
+    pub(super) fn check_static(&self, held: Held) -> Result<(), StaticError> {
+        self.check_joints(held)?;
         let count = self.mesh.node_count();
         let mut parts = Parts::new(count);
         for block in &self.blocks {
@@ -35,7 +36,7 @@ impl Model {
                 }
             }
         }
-        self.each_held_pair(|a, b| parts.join(a, b));
+        self.each_held_pair(held, |a, b| parts.join(a, b));
         let of_mesh = |engine: u32| self.numbering.mesh_of[engine as usize];
         let known = |node: u32| (node as usize) < count;
         for group in &self.groups.groups {

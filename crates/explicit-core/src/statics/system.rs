@@ -1,9 +1,11 @@
 //! A model as a system of equations in the displacements of its free nodes.
 
-use powerhouse_model::{Mat3, Operator, Quad, Vec3};
+use powerhouse_model::{ElementBlock, Mat3, Operator, Quad, Vec3};
 use rayon::prelude::*;
 
 use super::StaticError;
+#[cfg(feature = "direct")]
+use super::freedoms::Freedoms;
 use crate::Model;
 use crate::groups::Group;
 use crate::nodes::{Storage, with_nodes};
@@ -17,6 +19,8 @@ pub(super) struct System<'a> {
     model: &'a mut Model,
     /// The model's groups, those that ties and joints hold together as one.
     groups: Vec<Group>,
+    /// The diagonal of the elastic operator, node by node (N/m).
+    diagonal: Vec<Mat3>,
     /// Inverse of the diagonal, zero where nothing is free (m/N).
     inverse: Vec<Mat3>,
     linear: bool,
@@ -27,14 +31,44 @@ impl<'a> System<'a> {
     pub(super) fn new(model: &'a mut Model) -> Result<Self, StaticError> {
         with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
         let mut diagonal = vec![Mat3::zeros(); model.mass.len()];
-        for block in &model.blocks {
+        let of_blocks = model.blocks.par_iter().map(|block| {
             let mut own = vec![Mat3::zeros(); block.nodes().len()];
             block.diagonal(Operator::Elastic, &mut own);
+            own
+        });
+        let of_blocks: Vec<Vec<Mat3>> = of_blocks.collect();
+        refuse_without_stiffness(model, &of_blocks)?;
+        for (block, own) in model.blocks.iter().zip(of_blocks) {
             for (&node, own) in block.nodes().iter().zip(own) {
                 diagonal[node as usize] += own;
             }
         }
-        let groups = model.joined_groups()?;
+        let linear = model.blocks.iter().all(|block| block.history().is_empty());
+        let mut system = Self {
+            model,
+            groups: Vec::new(),
+            diagonal,
+            inverse: Vec::new(),
+            linear,
+        };
+        system.join()?;
+        Ok(system)
+    }
+
+    /// Takes what sticks for one.
+    pub(super) fn join(&mut self) -> Result<(), StaticError> {
+        let groups = self.model.joined_groups()?;
+        self.regroup(groups)
+    }
+
+    /// Takes pairs that constraints hold together, for now, for two nodes.
+    pub(super) fn part(&mut self) -> Result<(), StaticError> {
+        self.regroup(self.model.groups.groups.clone())
+    }
+
+    fn regroup(&mut self, groups: Vec<Group>) -> Result<(), StaticError> {
+        let model = &*self.model;
+        let mut diagonal = self.diagonal.clone();
         let mut group_of = vec![None; model.mass.len()];
         for group in &groups {
             let members = group.members.iter();
@@ -63,19 +97,16 @@ impl<'a> System<'a> {
             let found = diagonal.try_inverse();
             let found = found.ok_or_else(|| StaticError::NoStiffness {
                 node: model.node_tag(node),
+                set: model.element_at(node).1,
             })?;
             inverse.push(match group {
                 Some(group) => group.condition.project(&found).0,
                 None => found,
             });
         }
-        let linear = model.blocks.iter().all(|block| block.history().is_empty());
-        Ok(Self {
-            model,
-            groups,
-            inverse,
-            linear,
-        })
+        self.groups = groups;
+        self.inverse = inverse;
+        Ok(())
     }
 
     /// Whether one correction suffices.
@@ -185,6 +216,16 @@ impl<'a> System<'a> {
         }
     }
 
+    /// How many nodes there are.
+    pub(super) fn node_count(&self) -> usize {
+        self.inverse.len()
+    }
+
+    /// The model, whose constraints are to act.
+    pub(super) fn model(&mut self) -> &mut Model {
+        self.model
+    }
+
     /// Makes the history of the last forces the committed one.
     pub(super) fn commit(&mut self) {
         let blocks = &mut self.model.blocks;
@@ -197,6 +238,45 @@ impl<'a> System<'a> {
             put(&mut arrays.displacement, u);
             arrays.velocity.fill(Quad::default());
         });
+    }
+
+    /// Where nodes are (m); additional nodes of boundaries, of which nobody knows, in the middle.
+    #[cfg(feature = "direct")]
+    pub(super) fn positions(&self) -> Vec<Vec3> {
+        let mesh = &self.model.mesh;
+        let (low, high) = mesh.bounding_box();
+        let middle = 0.5 * (low + high);
+        let of = |&node: &u32| mesh.positions().get(node as usize).copied();
+        let nodes = self.model.numbering.mesh_of.iter();
+        nodes.map(|node| of(node).unwrap_or(middle)).collect()
+    }
+
+    /// What the operator is made of.
+    pub(super) fn blocks(&self) -> &[Box<dyn ElementBlock>] {
+        &self.model.blocks
+    }
+
+    /// The groups of nodes that count as one.
+    pub(super) fn groups(&self) -> &[Group] {
+        &self.groups
+    }
+
+    /// The unknowns.
+    #[cfg(feature = "direct")]
+    pub(super) fn freedoms(&self) -> Freedoms {
+        let moves = |node: usize| self.inverse[node] != Mat3::zeros();
+        Freedoms::new(&self.groups, moves, self.inverse.len())
+    }
+
+    /// Says where a factorisation ended.
+    #[cfg(feature = "direct")]
+    pub(super) fn not_definite(&self, node: u32) -> StaticError {
+        let (element, set) = self.model.element_at(node as usize);
+        StaticError::NotDefinite {
+            node: self.model.node_tag(node as usize),
+            element,
+            set,
+        }
     }
 
     /// Says where most is out of balance.
@@ -223,6 +303,30 @@ impl<'a> System<'a> {
             set,
         }
     }
+}
+
+/// Refuses sets whose elements give a node less stiffness than rounding takes from the stiffest.
+fn refuse_without_stiffness(model: &Model, of_blocks: &[Vec<Mat3>]) -> Result<(), StaticError> {
+    let all = of_blocks.iter().flatten().map(Mat3::trace);
+    let most = all.fold(0.0, f64::max);
+    for (block, own) in model.blocks.iter().zip(of_blocks) {
+        if block.elements().is_empty() {
+            continue;
+        }
+        // A stiffness that is no number is none. Nodes whose elements are all gone need none.
+        let without = |(node, own): &(&u32, &Mat3)| {
+            let stiff = own.trace() > f64::EPSILON * most;
+            model.mass[**node as usize] > 0.0 && !stiff
+        };
+        let mut nodes = block.nodes().iter().zip(own);
+        if let Some((&node, _)) = nodes.find(without) {
+            return Err(StaticError::NoStiffness {
+                node: model.node_tag(node as usize),
+                set: block.label().into(),
+            });
+        }
+    }
+    Ok(())
 }
 
 fn put<S: Storage>(to: &mut [Quad<S>], from: &[Vec3]) {

@@ -1,10 +1,14 @@
 //! From the first stress to the earthquake.
 
 mod bolts;
+#[cfg(feature = "direct")]
+mod direct;
 mod excavation;
 mod hand_over;
 mod initial_stress;
 mod kirsch;
+mod refused;
+mod relaxation;
 mod ties;
 
 use powerhouse_explicit_core::{

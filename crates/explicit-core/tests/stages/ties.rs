@@ -8,9 +8,16 @@ use powerhouse_model::{Constraint, ConstraintWork, Mesh, PredictedMotion, RunErr
 use super::{GRAVITY, bent_box, elastic_body, face_nodes, largest};
 
 /// Gives the nodes of each pair one velocity.
-struct Weld {
+pub(super) struct Weld {
     nodes: Vec<u32>,
     told: bool,
+}
+
+impl Weld {
+    /// Of nodes that follow each other pair by pair.
+    pub(super) fn new(nodes: Vec<u32>) -> Self {
+        Self { nodes, told: true }
+    }
 }
 
 impl Constraint for Weld {
@@ -37,6 +44,28 @@ impl Constraint for Weld {
     }
 }
 
+/// A mesh cut through at a height (m), and the nodes that face each other there, pair by pair.
+pub(super) fn cut_through(whole: &Mesh, height: f64) -> (Mesh, Vec<u32>) {
+    let (low, mut high) = whole.bounding_box();
+    high.z = height;
+    let lower = whole.elements_in_box(&low, &high);
+    let upper: Vec<u32> = (0..whole.element_count() as u32)
+        .filter(|element| !lower.contains(element))
+        .collect();
+    let split = whole.split_between(&lower, &upper).unwrap();
+    let cut = split.mesh;
+    // Copies follow all nodes and lie where the originals do.
+    let copies = whole.node_count() as u32..cut.node_count() as u32;
+    let pairs = copies.flat_map(|copy| {
+        let place = cut.positions()[copy as usize];
+        let original =
+            (0..whole.node_count() as u32).find(|&node| cut.positions()[node as usize] == place);
+        [original.unwrap(), copy]
+    });
+    let pairs = pairs.collect();
+    (cut, pairs)
+}
+
 /// Two bodies that a constraint ties come to rest as the one that they were cut from, to 1e-8, and
 /// stand still when they are handed over: the tie bears what the ground does not. A constraint that
 /// says nothing of what it holds is refused.
@@ -44,23 +73,8 @@ impl Constraint for Weld {
 fn tied_bodies_rest_as_one() {
     let size = Vec3::new(8.0, 6.0, 9.0);
     let whole = bent_box(size, [4, 3, 6], 0.3);
-    let half = Vec3::new(8.0, 6.0, 4.5);
-    let lower = whole.elements_in_box(&Vec3::zeros(), &half);
-    let upper: Vec<u32> = (0..whole.element_count() as u32)
-        .filter(|element| !lower.contains(element))
-        .collect();
-    let split = whole.split_between(&lower, &upper).unwrap();
-    let cut = &split.mesh;
-    // Copies follow all nodes and lie where the originals do.
-    let copies = whole.node_count() as u32..cut.node_count() as u32;
-    let nodes: Vec<u32> = copies
-        .flat_map(|copy| {
-            let place = cut.positions()[copy as usize];
-            let original = (0..whole.node_count() as u32)
-                .find(|&node| cut.positions()[node as usize] == place);
-            [original.unwrap(), copy]
-        })
-        .collect();
+    let (cut, nodes) = cut_through(&whole, 4.5);
+    let cut = &cut;
     assert_eq!(nodes.len(), 2 * 5 * 4);
     fn standing<'a>(mesh: &Mesh, builder: ModelBuilder<'a>) -> ModelBuilder<'a> {
         builder
@@ -71,8 +85,8 @@ fn tied_bodies_rest_as_one() {
     let mut one = standing(&whole, elastic_body(&whole)).build().unwrap();
     one.equilibrate(&options, &mut |_| {}).unwrap();
     let weld = |told| {
-        let nodes = nodes.clone();
-        Box::new(Weld { nodes, told })
+        let weld = Weld::new(nodes.clone());
+        Box::new(Weld { told, ..weld })
     };
     let welded = |told| standing(cut, elastic_body(cut)).constraint(weld(told));
     let mut two = welded(true).build().unwrap();

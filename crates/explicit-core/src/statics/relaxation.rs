@@ -1,0 +1,221 @@
+//! Dynamic relaxation: a motion that is damped until nothing moves.
+
+use powerhouse_model::{Mat3, Operator, Vec3};
+use rayon::prelude::*;
+
+use super::system::System;
+use super::{FORCING, Increment, StaticError, StaticProgress, StaticReport, gradients};
+use crate::spectrum::{dot, norm};
+
+/// The length of a step in the time of the relaxation (s); nothing depends on it.
+const STEP: f64 = 1.0e-4;
+/// The most of a velocity that damping takes in a step.
+const MOST_DAMPING: f64 = 0.4;
+/// Masses over those for which the step is stable without damping: damping that lags behind by half
+/// a step, at the most of it, takes `1 - 0.4 / 2` off the square of the step.
+const SPARE: f64 = 1.0 / (1.0 - 0.5 * MOST_DAMPING);
+/// Steps between two looks.
+const LOOK: u32 = 100;
+
+/// Masses of nodes for which a step is stable, and what follows from them.
+pub(super) struct Relaxation {
+    /// Effective masses of leads (kg).
+    effective: Vec<Mat3>,
+    /// Their inverses in the free directions (1/kg).
+    inverse: Vec<Mat3>,
+    most_steps: u32,
+}
+
+impl Relaxation {
+    /// Masses from rows of the elastic operator: no eigenvalue of `M^-1 K` exceeds the largest
+    /// `sum_j |K_ij| / m_i` (Gershgorin 1931).
+    pub(super) fn new(system: &System, most_steps: u32) -> Self {
+        let blocks = system.blocks();
+        let of_block = |place: usize| {
+            let block = &blocks[place];
+            let mut rows: Vec<(u32, Vec3)> = Vec::new();
+            block.each_matrix(Operator::Elastic, &mut |nodes, matrix| {
+                let size = 3 * nodes.len();
+                for (a, &node) in nodes.iter().enumerate() {
+                    let row = |i: usize| &matrix[(3 * a + i) * size..(3 * a + i + 1) * size];
+                    let sum = |i: usize, _| row(i).iter().map(|k| k.abs()).sum::<f64>();
+                    rows.push((node, Vec3::from_fn(sum)));
+                }
+            });
+            rows
+        };
+        let rows: Vec<_> = (0..blocks.len()).into_par_iter().map(of_block).collect();
+        let mut stiffness = vec![Vec3::zeros(); system.node_count()];
+        for (node, row) in rows.into_iter().flatten() {
+            stiffness[node as usize] += row;
+        }
+        let mass = |node: usize| SPARE * 0.25 * STEP * STEP * stiffness[node].max();
+        let mut effective: Vec<Mat3> = (0..stiffness.len())
+            .map(|node| Mat3::identity() * mass(node))
+            .collect();
+        let mut inverse: Vec<Mat3> = (effective.iter())
+            .map(|mass| mass.try_inverse().unwrap_or_else(Mat3::zeros))
+            .collect();
+        for group in system.groups() {
+            let sum: f64 = group.members.iter().map(|&node| mass(node as usize)).sum();
+            let whole = Mat3::identity() * sum + group.spring * (0.25 * STEP * STEP);
+            for &member in &group.members {
+                inverse[member as usize] = Mat3::zeros();
+            }
+            let lead = group.members[0] as usize;
+            let free = whole.try_inverse().unwrap_or_else(Mat3::zeros);
+            effective[lead] = whole;
+            inverse[lead] = group.condition.project(&free).0;
+        }
+        Self {
+            effective,
+            inverse,
+            most_steps,
+        }
+    }
+
+    /// What of forces out of balance at rest at a displacement the joints do not take (N); they
+    /// forget that they were asked.
+    pub(super) fn beside_joints(
+        &self,
+        system: &mut System,
+        out: &[Vec3],
+        u: &[Vec3],
+    ) -> Result<Vec<Vec3>, StaticError> {
+        let before = system.model().joint_histories();
+        let still = vec![Vec3::zeros(); u.len()];
+        let predicted = self.inverse.par_iter().zip(out);
+        let mut next: Vec<Vec3> = predicted.map(|(p, force)| p * (force * STEP)).collect();
+        let model = system.model();
+        model.prepare_joints(STEP, &self.inverse);
+        model.correct_joints(STEP, (u, &still), &mut next, &self.inverse)?;
+        model.restore_joints(&before);
+        let net = next.par_iter().zip(&self.effective);
+        Ok(net.map(|(next, mass)| mass * (next / STEP)).collect())
+    }
+
+    /// The displacement at which forces and joints balance, from one at which they do not.
+    ///
+    /// If they do not the joints are left as they were.
+    pub(super) fn find(
+        &self,
+        system: &mut System,
+        increment: &Increment,
+        mut u: Vec<Vec3>,
+        report: &mut StaticReport,
+        progress: &mut (dyn FnMut(StaticProgress) + Send),
+    ) -> Result<Vec<Vec3>, StaticError> {
+        let before = system.model().joint_histories();
+        self.stick(system, increment, &mut u, report)?;
+        let found = self.settle(system, increment, u, report, progress);
+        match &found {
+            Ok(u) => system.model().rest_joints(&before, u),
+            Err(_) => system.model().restore_joints(&before),
+        }
+        found
+    }
+
+    /// Moves to where the body would be if its laws were elastic and all that sticks went on so.
+    fn stick(
+        &self,
+        system: &mut System,
+        increment: &Increment,
+        u: &mut [Vec3],
+        report: &mut StaticReport,
+    ) -> Result<(), StaticError> {
+        system.join()?;
+        system.forces(u)?;
+        let residual = system.residual(increment.applied, u);
+        // A body that slides may have no such place; it starts from where it is.
+        if norm(&residual) > 0.0
+            && let Ok((mut step, products)) = gradients::solve(system, &residual, FORCING)
+        {
+            report.products += products;
+            system.spread(&mut step);
+            for (u, step) in u.iter_mut().zip(&step) {
+                *u += step;
+            }
+        }
+        system.part()
+    }
+
+    fn settle(
+        &self,
+        system: &mut System,
+        increment: &Increment,
+        mut u: Vec<Vec3>,
+        report: &mut StaticReport,
+        progress: &mut (dyn FnMut(StaticProgress) + Send),
+    ) -> Result<Vec<Vec3>, StaticError> {
+        let mut load = increment.load;
+        let mut velocity = vec![Vec3::zeros(); u.len()];
+        let mut rests = true;
+        let mut last: Option<Vec<Vec3>> = None;
+        let mut damping = 0.0;
+        let mut step = 0;
+        system.model().prepare_joints(STEP, &self.inverse);
+        loop {
+            system.forces(&u)?;
+            let out = system.residual(increment.applied, &u);
+            if let Some(last) = &last {
+                damping = self.damping(&velocity, last, &out).unwrap_or(damping);
+            }
+            let kept = 1.0 - damping;
+            let mut next: Vec<Vec3> = (velocity.par_iter().zip(&self.inverse).zip(&out))
+                .map(|((v, inverse), force)| v * kept + inverse * (force * STEP))
+                .collect();
+            system
+                .model()
+                .correct_joints(STEP, (&u, &velocity), &mut next, &self.inverse)?;
+            let net: Vec<Vec3> = (next.par_iter().zip(&velocity).zip(&self.effective))
+                .map(|((next, v), mass)| mass * ((next - v * kept) / STEP))
+                .collect();
+            let size = norm(&net);
+            if load == 0.0 {
+                // Prescribed motions alone: what they let go at first.
+                load = size;
+                report.load = size;
+            }
+            let relative = if size == 0.0 { 0.0 } else { size / load };
+            let balances = relative <= increment.options.tolerance;
+            if balances || step % LOOK == 0 {
+                progress(StaticProgress {
+                    share: increment.share,
+                    correction: step,
+                    residual: relative,
+                });
+            }
+            if balances && rests {
+                report.residual = relative;
+                return Ok(u);
+            }
+            if !relative.is_finite() || step == self.most_steps {
+                return Err(system.not_converged(&net, relative, increment.share));
+            }
+            step += 1;
+            report.steps += 1;
+            let mut moved = next.clone();
+            system.spread(&mut moved);
+            (u.par_iter_mut().zip(&moved)).for_each(|(u, v)| *u += v * STEP);
+            // What balances on its way is to balance at rest, too.
+            rests = balances;
+            if rests {
+                velocity.fill(Vec3::zeros());
+                (last, damping) = (None, 0.0);
+            } else {
+                (velocity, last) = (next, Some(out));
+            }
+        }
+    }
+
+    /// The share of the velocity that critical damping of the present motion takes in a step, if its
+    /// forces resist it: twice its frequency times the step.
+    fn damping(&self, velocity: &[Vec3], last: &[Vec3], out: &[Vec3]) -> Option<f64> {
+        let resisted: Vec<Vec3> = last.iter().zip(out).map(|(last, out)| last - out).collect();
+        let moved: Vec<Vec3> = (velocity.iter().zip(&self.effective))
+            .map(|(v, mass)| mass * v * STEP)
+            .collect();
+        let square = dot(velocity, &resisted) / dot(velocity, &moved);
+        (square > 0.0 && square.is_finite()).then(|| (2.0 * square.sqrt() * STEP).min(MOST_DAMPING))
+    }
+}
