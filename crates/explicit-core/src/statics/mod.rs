@@ -169,7 +169,6 @@ impl Model {
             let increment = Increment {
                 options,
                 applied: &rest,
-                load: report.load,
                 share: next,
             };
             let found = match &mut solver {
@@ -218,8 +217,6 @@ struct Increment<'a> {
     options: &'a StaticOptions,
     /// Forces (N) that act in it.
     applied: &'a [Vec3],
-    /// What residuals are measured by (N); zero if it is yet to be found.
-    load: f64,
     share: f64,
 }
 
@@ -232,19 +229,17 @@ impl Increment<'_> {
         report: &mut StaticReport,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
-        let mut load = self.load;
         let mut mixing = Mixing::new(REMEMBERED);
         let (mut correction, mut last) = (0, f64::INFINITY);
         loop {
             system.forces(&u)?;
             let residual = system.residual(self.applied, &u);
             let size = norm(&residual);
-            if load == 0.0 {
+            if report.load == 0.0 {
                 // Prescribed motions alone: what they let go at first.
-                load = size;
                 report.load = size;
             }
-            let relative = if size == 0.0 { 0.0 } else { size / load };
+            let relative = if size == 0.0 { 0.0 } else { size / report.load };
             progress(StaticProgress {
                 share: self.share,
                 correction,
@@ -259,7 +254,7 @@ impl Increment<'_> {
             }
             correction += 1;
             report.corrections += 1;
-            let gate = MARGIN * self.options.tolerance * load / size;
+            let gate = MARGIN * self.options.tolerance * report.load / size;
             let left = if system.is_linear() {
                 gate
             } else {

@@ -126,6 +126,10 @@ impl Relaxation {
         system.join()?;
         system.forces(u)?;
         let residual = system.residual(increment.applied, u);
+        if report.load == 0.0 {
+            // Prescribed motions alone: what they let go at first.
+            report.load = norm(&residual);
+        }
         // A body that slides may have no such place; it starts from where it is.
         if norm(&residual) > 0.0
             && let Ok((mut step, products)) = gradients::solve(system, &residual, FORCING)
@@ -147,7 +151,6 @@ impl Relaxation {
         report: &mut StaticReport,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
-        let mut load = increment.load;
         let mut velocity = vec![Vec3::zeros(); u.len()];
         let mut rests = true;
         let mut last: Option<Vec<Vec3>> = None;
@@ -171,12 +174,7 @@ impl Relaxation {
                 .map(|((next, v), mass)| mass * ((next - v * kept) / STEP))
                 .collect();
             let size = norm(&net);
-            if load == 0.0 {
-                // Prescribed motions alone: what they let go at first.
-                load = size;
-                report.load = size;
-            }
-            let relative = if size == 0.0 { 0.0 } else { size / load };
+            let relative = if size == 0.0 { 0.0 } else { size / report.load };
             let balances = relative <= increment.options.tolerance;
             if balances || step % LOOK == 0 {
                 progress(StaticProgress {
