@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
-use powerhouse::{Error, Remark, Results, Simulation};
+use powerhouse::{Error, Remark, Results, Simulation, StageAtRest, StageOverview};
 use powerhouse_study::{CheckReport, FreeFieldReport, PointError, Warning};
 
 pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> Result<(), Error> {
@@ -112,6 +112,7 @@ pub(crate) fn check(report: &CheckReport) {
             Results::SMALL_SLIP * joint.shortest_edge
         );
     }
+    stages(&report.stages);
     let of_part =
         |remark: &&Remark| matches!(remark, Remark::FlatDamping { .. } | Remark::Rim { .. });
     if report.remarks.iter().any(|remark| of_part(&remark)) {
@@ -145,6 +146,64 @@ pub(crate) fn check(report: &CheckReport) {
     }
 }
 
+/// The stages before a run.
+fn stages(stages: &[StageOverview]) {
+    if !stages.is_empty() {
+        println!("\nstages");
+    }
+    for stage in stages {
+        let mut does = Vec::new();
+        let mut count = |number: usize, what: &str| {
+            if number > 0 {
+                does.push(format!("{number} {what}"));
+            }
+        };
+        count(stage.excavated, "elements excavated");
+        count(stage.cast, "elements cast");
+        count(stage.supports, "supports");
+        count(stage.loads, "loads");
+        for (name, number) in &stage.bolts {
+            count(*number, &format!("bolts of '{name}'"));
+        }
+        for (set, law) in &stage.materials {
+            does.push(format!("'{set}' of another material ({law})"));
+        }
+        does.extend(stage.tied.iter().map(|joint| format!("'{joint}' tied")));
+        does.extend(
+            stage
+                .bonded
+                .iter()
+                .map(|joint| format!("'{joint}' bonded anew")),
+        );
+        if stage.options.release < 1.0 {
+            does.push(format!("{} % released", 100.0 * stage.options.release));
+        }
+        if stage.options.increments > 1 {
+            does.push(format!("{} increments", stage.options.increments));
+        }
+        if does.is_empty() {
+            does.push("comes to rest".into());
+        }
+        println!("  {:<16} {}", stage.name, does.join(", "));
+    }
+}
+
+/// What a stage came to.
+pub(crate) fn stage(stage: &StageAtRest) {
+    let (report, solution) = (stage.report, &stage.report.solution);
+    println!(
+        "stage {} of {}, '{}': {} increments, {} corrections, {:.1e} of the load out of balance, moved by {:.3e} m at node {}",
+        stage.index + 1,
+        stage.count,
+        report.name,
+        solution.increments,
+        solution.corrections,
+        solution.residual,
+        report.largest_displacement.0,
+        report.largest_displacement.1,
+    );
+}
+
 /// How a run ended.
 pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
     let run = &results.run;
@@ -168,10 +227,27 @@ pub(crate) fn results(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
     println!("\npeaks\n{}", results.peaks(mesh));
     energies(results);
     joints(results);
+    bolts(results);
     remarks(&results.doubts(mesh));
     println!("\nfiles");
     for file in files {
         println!("  {}", file.display());
+    }
+}
+
+/// What bolts bear.
+fn bolts(results: &Results) {
+    if !results.bolts.is_empty() {
+        println!("\nbolts");
+    }
+    for forces in &results.bolts {
+        if let Some((bolt, force)) = forces.greatest() {
+            let name = &forces.name;
+            println!(
+                "  {name:<20} at most {force:.3e} N at the end, in bolt {}",
+                bolt + 1
+            );
+        }
     }
 }
 

@@ -4,11 +4,21 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use powerhouse::engine::Ended;
-use powerhouse::{Error, ResultFolder, RunHooks, Scene};
+use powerhouse::{Error, ResultFolder, RunHooks, Scene, StageAtRest, StageSink};
 use powerhouse_study::FreeFieldCheck;
 
 use crate::progress::Display;
 use crate::{INTERRUPTED, Outcome, check, report, stop};
+
+/// Tells of stages what their files hold in full.
+struct Stages(Box<dyn StageSink>);
+
+impl StageSink for Stages {
+    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+        report::stage(stage);
+        self.0.at_rest(stage)
+    }
+}
 
 /// Checks the free field if the scene asks for it, runs, and writes what was found, even if the
 /// run fails on its way.
@@ -41,6 +51,9 @@ pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
         progress: Some(display.hook()),
         stop: Some(stop),
         snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
+        stages: Some(Box::new(Stages(
+            folder.stages(&mesh, simulation.joint_surfaces())?,
+        ))),
         ..RunHooks::default()
     };
     let outcome = simulation.run(hooks);
@@ -48,6 +61,10 @@ pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
     let (results, failure) = match outcome {
         Ok(results) => (results, None),
         Err(Error::Failed { error, results }) => (*results, Some(error)),
+        Err(Error::Interrupted { stage }) => {
+            println!("interrupted before the stage '{stage}': the body has not moved");
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
         Err(error) => return Err(error.into()),
     };
     report::end_of_run(&mesh, &results);

@@ -425,3 +425,71 @@ fn drive_leads_a_point() {
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("snaps back"));
 }
+
+/// Stages of the coarse cavern before its run: the ground on rollers, with the cavern open, then its
+/// lining and two bolts.
+const STAGES: &str = r#"
+[in_situ_stress]
+kind = "ground"
+level = 0
+density = 2750
+lateral = 0.6
+
+[[load]]
+kind = "gravity"
+
+[[bolt]]
+name = "roof"
+diameter = 0.025
+lines = [[[0, 1, -60], [0, 1, -52]], [[0, 4, -60], [0, 4, -52]]]
+
+[[stage]]
+name = "cavern"
+support = [
+    { kind = "roller", set = "left" },
+    { kind = "roller", set = "right" },
+    { kind = "roller", set = "front" },
+    { kind = "roller", set = "back" },
+    { kind = "roller", set = "bottom" },
+]
+
+[[stage]]
+name = "lining"
+cast = ["lining"]
+bolts = ["roof"]
+
+[time]
+"#;
+
+/// `check` lists the stages of a scene, `run` goes through them, tells what they came to and writes it.
+#[test]
+fn stages_are_listed_and_run() {
+    let scene = Scene::new("stages", |scene| {
+        let scene = scene.replace("[time]", STAGES);
+        let scene = scene.replace("self_check = 0.02", "");
+        scene.replace("duration = 1.0 ", "duration = 0.05 ")
+    });
+    let check = text(&powerhouse(&["check", &scene.path()]).stdout);
+    for line in [
+        "cavern           5 supports",
+        "lining           160 elements cast, 2 bolts of 'roof'",
+    ] {
+        assert!(check.contains(line), "{check}");
+    }
+    let run = powerhouse(&["run", &scene.path(), "--out", &scene.out()]);
+    let told = text(&run.stdout);
+    assert_eq!(run.status.code(), Some(0), "{told}{}", text(&run.stderr));
+    for passage in [
+        "stage 1 of 2, 'cavern'",
+        "stage 2 of 2, 'lining'",
+        "bolts\n  roof",
+    ] {
+        assert!(told.contains(passage), "{told}");
+    }
+    for file in ["1-cavern.vtu", "2-lining.vtu", "2-lining-roof.csv"] {
+        assert!(
+            scene.folder.join("out/stages").join(file).exists(),
+            "{file}"
+        );
+    }
+}

@@ -65,7 +65,11 @@ impl StepView for View<'_> {
         };
         let stresses =
             known.get_or_init(|| model.stresses_of(model.blocks[block as usize].as_ref()));
-        stresses[place as usize]
+        let change = stresses[place as usize];
+        match model.initial_stress.get(element as usize) {
+            Some(initial) => Stress(core::array::from_fn(|i| initial.0[i] + change.0[i])),
+            None => change,
+        }
     }
     fn energies(&self) -> &[(&'static str, f64)] {
         self.energies

@@ -201,7 +201,8 @@ pub trait StepView {
     fn velocity(&self, node: u32) -> Vec3;
     /// Acceleration (m/s2) at `time`.
     fn acceleration(&self, node: u32) -> Vec3;
-    /// Mean change of stress (Pa) of an element; zero if it belongs to no block.
+    /// Mean stress (Pa) of an element, the initial stress included if there is one; zero if it belongs
+    /// to no block.
     fn stress(&self, element: u32) -> Stress;
     /// Named energies (J), if the ledger is kept.
     fn energies(&self) -> &[(&'static str, f64)];

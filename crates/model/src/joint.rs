@@ -87,6 +87,21 @@ impl<L: ContactLaw + ?Sized> ContactLaw for Box<L> {
     }
 }
 
+impl<L: ContactLaw + ?Sized> ContactLaw for std::sync::Arc<L> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn initial(&self) -> JointState {
+        (**self).initial()
+    }
+    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
+        (**self).admissible(trial, state)
+    }
+    fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
+        (**self).sliding_strength(normal, state)
+    }
+}
+
 impl<L: ContactLaw + ?Sized> ContactLaw for &L {
     fn name(&self) -> &str {
         (**self).name()

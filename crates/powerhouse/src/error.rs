@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use powerhouse_contact::ContactError;
+use powerhouse_explicit_core::{StageError, StaticError};
 use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
 use thiserror::Error;
 
-use crate::{Results, SceneFault};
+use crate::{Results, SceneFault, StagingError};
 
 /// Why a scene cannot be read, composed, run or written.
 #[derive(Debug, Error)]
@@ -143,6 +144,32 @@ pub enum Error {
         /// The distance of the nearest pair from its point (m), if it has one.
         distance: Option<f64>,
     },
+    /// Stages, bolts or an initial stress that cannot be as they are to.
+    #[error(
+        "{}{source}",
+        stage.as_ref().map_or(String::new(), |stage| format!("stage '{stage}': "))
+    )]
+    Staging {
+        /// The stage, if it concerns one.
+        stage: Option<String>,
+        /// What is wrong.
+        source: StagingError,
+    },
+    /// A stage in which the body does not come to rest.
+    #[error(transparent)]
+    Stage(#[from] StageError),
+    /// A body that cannot be set in motion as its stages left it.
+    #[error("handing over to the motion: {source}")]
+    HandOver {
+        /// Why.
+        source: StaticError,
+    },
+    /// A run that was stopped from outside before the body moved.
+    #[error("interrupted before the stage '{stage}'")]
+    Interrupted {
+        /// The stage that was next.
+        stage: String,
+    },
     /// A start from the field's motion, and no field.
     #[error("the run is to start from the field's motion, but the scene has no field")]
     NoField,
@@ -166,6 +193,18 @@ pub enum Error {
         /// What was recorded until then.
         results: Box<Results>,
     },
+}
+
+impl Error {
+    /// What is wrong with a stage, or with the stages of the scene as a whole.
+    pub(crate) fn staging(stage: Option<&str>, source: StagingError) -> Self {
+        let stage = stage.map(str::to_owned);
+        Self::Staging { stage, source }
+    }
+    /// What is wrong with bolts.
+    pub(crate) fn of_bolts(source: StagingError) -> Self {
+        Self::staging(None, source)
+    }
 }
 
 impl From<SceneFault> for Error {

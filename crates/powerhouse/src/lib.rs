@@ -31,10 +31,15 @@
 //! one medium, without traction where the mesh is free? So scenes from files and from Rust, and
 //! fields of one's own, are guarded alike.
 //!
+//! *Stages are looked at when a scene is prepared, and gone through when it is run.* A check costs
+//! no static solution: masses, stiffness and with them the stable step of the body that will move are
+//! those of its elements, wherever they have moved until then.
+//!
 //! *A fault has a place.* Every value of a scene file keeps the bytes that it was read from, so
 //! that whatever is wrong with it, be it found by the parser, by a look into the mesh or by another
 //! crate, is shown where it stands, before any work is done.
 
+mod acting;
 mod builtin;
 mod builtin_joints;
 mod builtin_laws;
@@ -51,6 +56,7 @@ mod remark;
 mod resolve;
 mod scene;
 mod simulation;
+mod stage;
 
 pub use powerhouse_boundary as boundary;
 pub use powerhouse_contact as contact;
@@ -66,14 +72,18 @@ pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use output::{
-    CutWish, EnergyResidual, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish,
-    ResultFolder, Results, SnapshotWish, StateWish, StressWish,
+    BoltForces, CutWish, EnergyResidual, EnvelopeWish, HistoryWish, JointWish, OutputPlan,
+    RelativeWish, ResultFolder, Results, SnapshotWish, StateWish, StressWish,
 };
 pub use part::{Kernel, Material, Part};
 pub use registry::Registry;
 pub use remark::Remark;
 pub use scene::{Boundary, InitialMotion, LawMemory, ResidualLimit, Scene, TimeStep};
 pub use simulation::{ProgressHook, RunHooks, Simulation};
+pub use stage::{
+    BoltPlace, InSituStress, SceneBolts, SceneStage, StageAtRest, StageOverview, StageSink,
+    StagingError,
+};
 
 /// The program in the project's README compiles and runs.
 #[cfg(doctest)]

@@ -98,6 +98,10 @@ impl Material {
     pub fn medium(&self) -> ElasticMedium {
         self.law.medium()
     }
+    /// The undamaged material as it is where nothing yields.
+    pub(crate) fn elastic(&self) -> Self {
+        Self::new(LinearElastic::new(self.medium()))
+    }
     /// Whether stress is linear in strain, without history.
     pub fn is_linear(&self) -> bool {
         self.law.is_linear()
@@ -345,10 +349,6 @@ impl Part {
             law: self.material.name().into(),
         })?;
         Ok(damped(spectrum.clone(), *reference)?)
-    }
-    /// The material of its rim.
-    pub(crate) fn rim_material(&self) -> Material {
-        Material::new(LinearElastic::new(self.material.medium()))
     }
     /// The part's own kernel, if it is for none of the kinds.
     pub(crate) fn idle_kernel(

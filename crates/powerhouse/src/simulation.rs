@@ -16,6 +16,7 @@ use powerhouse_model::{
 
 use crate::output::{OutputPlan, Recordings, Results};
 use crate::scene::{Places, ResidualLimit, TimeStep, field_motion};
+use crate::stage::{Rested, StageSink, Staging};
 use crate::{Error, Remark, SceneText};
 
 /// Energies are looked at after this share of the duration if they are not recorded.
@@ -34,6 +35,8 @@ pub struct RunHooks<'a> {
     pub stop: Option<Arc<AtomicBool>>,
     /// Takes the snapshots that the scene asks for.
     pub snapshots: Option<Box<dyn SnapshotSink>>,
+    /// Is shown the stages of the scene.
+    pub stages: Option<Box<dyn StageSink + 'a>>,
     /// Further observers.
     pub observers: Vec<Box<dyn Observer>>,
 }
@@ -56,6 +59,8 @@ pub struct Simulation {
     /// What the laws remember.
     variables: Vec<HistoryVariable>,
     remarks: Vec<Remark>,
+    /// What the body goes through before it moves.
+    staging: Option<Staging>,
 }
 
 impl Simulation {
@@ -68,6 +73,7 @@ impl Simulation {
         (plan, observed): (OutputPlan, (Recordings, Vec<Box<dyn Observer>>)),
         variables: Vec<HistoryVariable>,
         remarks: Vec<Remark>,
+        staging: Option<Staging>,
     ) -> Self {
         Self {
             title,
@@ -83,6 +89,7 @@ impl Simulation {
             observed,
             variables,
             remarks,
+            staging,
         }
     }
     /// The scene's title.
@@ -93,7 +100,8 @@ impl Simulation {
     pub fn mesh(&self) -> &Arc<Mesh> {
         &self.mesh
     }
-    /// The engine's model.
+    /// The engine's model. Before a run the model of a scene with stages has the elements and bolts
+    /// that move, unloaded: the run takes it through the stages.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -150,14 +158,22 @@ impl Simulation {
         self.step = step;
     }
 
-    /// Runs the scene to its end.
+    /// Runs the scene to its end, through its stages first.
     ///
     /// # Errors
-    /// A step above the stable one, or, as [`Error::Failed`] with the results until then, what
+    /// A stage that does not come to rest, a step above the stable one, or, as [`Error::Failed`] with the results until then, what
     /// ended the run before its time.
     pub fn run(mut self, hooks: RunHooks) -> Result<Results, Error> {
         let started = Instant::now();
         let step = self.step()?;
+        let mut rested = None;
+        if let Some(staging) = &self.staging {
+            let found = staging.run(hooks.stop.as_ref(), hooks.stages);
+            let (model, stages) =
+                found.map_err(|error| self.source.1.put(&self.source.0, error))?;
+            self.model = model;
+            rested = Some(stages);
+        }
         if let Some(field) = self.initial.take() {
             let now = (self.model.time(), step);
             let nodes = self.mesh.positions();
@@ -188,9 +204,16 @@ impl Simulation {
             &mut progress,
         );
         let wall_time = started.elapsed();
+        let staging = self.staging.as_ref();
+        let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(&mut self.model));
         let finish = |report| {
             let snapshots = taken.load(Ordering::Relaxed);
-            recordings.finish(report, wall_time, snapshots)
+            let mut results = recordings.finish(report, wall_time, snapshots);
+            if let Some(Rested { stages, hand_over }) = rested {
+                (results.stages, results.hand_over) = (stages, Some(hand_over));
+            }
+            results.bolts = bolts;
+            results
         };
         match outcome {
             Ok(report) => Ok(finish(report)),

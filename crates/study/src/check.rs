@@ -4,7 +4,7 @@ use core::fmt;
 
 use powerhouse::engine::StableStep;
 use powerhouse::model::{ElementKind, QualityReport};
-use powerhouse::{Error, Remark, Scene};
+use powerhouse::{Error, Remark, Scene, StageOverview};
 
 use crate::StudyError;
 use crate::cost::{self, Cost};
@@ -152,6 +152,8 @@ pub struct CheckReport {
     pub resolution: Vec<Resolution>,
     /// The joints.
     pub joints: Vec<JointOverview>,
+    /// The stages before the run.
+    pub stages: Vec<StageOverview>,
     /// The stable step and who limits it.
     pub stable: StableStep,
     /// What a run will cost.
@@ -172,6 +174,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let quality = mesh.check().map_err(Error::from)?;
     let resolution = resolution::resolution(&scene)?;
     let joints = JointOverview::all(&scene);
+    let stages = scene.stage_overviews()?;
     let mut warnings = warnings_of(&scene, &quality, &resolution)?;
     let account = cost::Account::of(&scene)?;
     let free_field = match scene.self_check() {
@@ -204,6 +207,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         quality,
         resolution,
         joints,
+        stages,
         stable,
         cost,
         remarks,

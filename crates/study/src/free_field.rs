@@ -181,6 +181,7 @@ impl FreeFieldCheck {
                 .map(|tell| -> ProgressHook { Box::new(|now: Progress| tell(now)) }),
             stop: hooks.stop,
             snapshots: hooks.snapshots,
+            stages: hooks.stages,
             observers: hooks.observers,
         };
         let (points, step, time) = compare.run(elastic, scene_step, first)?;

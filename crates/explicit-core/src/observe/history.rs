@@ -17,7 +17,7 @@ use super::{
 /// first; with displacements comes `crown.apart` (m), its component along the line from the first
 /// place to the second, positive when they part. Columns of a stress called `lining` are
 /// `lining.xx`, `.yy`, `.zz`, `.xy`, `.yz`, `.zx` and the principal stresses `lining.s1` >=
-/// `lining.s2` >= `lining.s3` (Pa, the change of stress, mean over the element). Columns of a state
+/// `lining.s2` >= `lining.s3` (Pa, mean over the element, initial stress included). Columns of a state
 /// called `lining` are the history variables of the element's law, `lining.damage` and so on.
 ///
 /// Memory: 8 bytes per column and row.

@@ -34,7 +34,7 @@ pub struct Snapshot<'a> {
     pub velocity: &'a [Vec3],
     /// Acceleration (m/s2), one per mesh node.
     pub acceleration: &'a [Vec3],
-    /// Mean change of stress (Pa), one per mesh element.
+    /// Mean stress (Pa), initial stress included, one per mesh element.
     pub stress: &'a [Stress],
     /// The joints of the body.
     pub joints: &'a [JointView<'a>],

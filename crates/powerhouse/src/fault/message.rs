@@ -57,7 +57,7 @@ fn plain(words: &str) -> String {
     match words {
         "f64" => "a number".into(),
         "u64" | "usize" => "a whole number".into(),
-        "a nonzero usize" => "a whole number above 0".into(),
+        "a nonzero usize" | "a nonzero u32" => "a whole number above 0".into(),
         "a string" | "string" | "path string" => "a text in quotes".into(),
         "a map" | "map" => "a table".into(),
         "a sequence" | "sequence" => "a list".into(),

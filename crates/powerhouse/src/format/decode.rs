@@ -15,8 +15,16 @@ use super::{Material, Parameters, SceneFile};
 use crate::fault::{Fault, Problem};
 
 /// Keys whose table, or whose tables in an array, say their shape by `kind`.
-const TAGGED: [&str; 8] = [
-    "baseline", "damping", "function", "leg", "load", "preload", "pulse", "support",
+const TAGGED: [&str; 9] = [
+    "baseline",
+    "damping",
+    "function",
+    "in_situ_stress",
+    "leg",
+    "load",
+    "preload",
+    "pulse",
+    "support",
 ];
 /// Open tables, and the keys in them that the format reads itself.
 const MATERIAL: (&str, &[&str]) = ("material", &["name", "law"]);

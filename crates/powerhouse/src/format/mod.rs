@@ -20,6 +20,7 @@ mod parameters;
 mod quantity;
 mod reference;
 mod residual;
+mod stage;
 mod time;
 
 use core::num::NonZeroUsize;
@@ -51,6 +52,9 @@ pub use quantity::{
 };
 pub use reference::Reference;
 pub use residual::Residual;
+pub use stage::{
+    Bolt, BoltEnd, Grout, InSituStress, Pattern, Stage, StagePart, StageSupport, StaticMethod,
+};
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};
 
 /// A scene: a mesh, its materials, the ground motion and what is wanted of the run.
@@ -87,6 +91,14 @@ pub struct SceneFile {
     /// Loads.
     #[serde(rename = "load", default)]
     pub loads: Vec<At<Load>>,
+    /// The stress of the ground before the first stage; none by default.
+    pub in_situ_stress: Option<At<InSituStress>>,
+    /// Rock bolts; a stage installs them.
+    #[serde(rename = "bolt", default)]
+    pub bolts: Vec<Bolt>,
+    /// Stages through which the body goes, one after the other, before it moves.
+    #[serde(rename = "stage", default)]
+    pub stages: Vec<Stage>,
     /// Duration and time step.
     pub time: Time,
     /// Number format of the computation.

@@ -48,8 +48,8 @@ pub enum Quantity {
     Velocity,
     /// Acceleration (m/s2).
     Acceleration,
-    /// Change of stress (Pa), mean over an element; in envelopes the greatest and least principal
-    /// stress.
+    /// Stress (Pa), mean over an element: that of the motion, and of what stages left before it; in
+    /// envelopes the greatest and least principal stress.
     Stress,
     /// What the material's law remembers, such as plastic strains, damage, damage type and yield
     /// state; of elements and, as the greatest values, in envelopes.

@@ -7,14 +7,15 @@ pub use preload::{GroundStress, Preload};
 pub use zone::JointZone;
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
-use powerhouse_contact::{ContactError, Joint, JointSurface};
+use powerhouse_contact::{ContactError, Joint, JointSurface, Tied};
 use powerhouse_model::{ContactLaw, JointPair, Mesh, ModelError};
 
 use crate::Error;
 
 /// A joint whose law was chosen by name.
-pub(crate) type NamedJoint = Joint<Box<dyn ContactLaw>>;
+pub(crate) type NamedJoint = Joint<Arc<dyn ContactLaw>>;
 
 /// The sides of a joint, by its name.
 pub(crate) type NamedSurface = (String, JointSurface);
@@ -63,7 +64,7 @@ pub struct SceneJoint {
     /// The sides.
     pub surface: JointSurface,
     /// The law of its tractions.
-    pub law: Box<dyn ContactLaw>,
+    pub law: Arc<dyn ContactLaw>,
     /// The traction in the state from which displacements are counted; none if there is none.
     pub preload: Option<Preload>,
     /// The distance of the sides in that state.
@@ -82,7 +83,7 @@ impl SceneJoint {
         Self {
             name: name.into(),
             surface,
-            law: Box::new(law),
+            law: Arc::new(law),
             preload: None,
             gap: InitialGap::Closed,
             unbonded: Vec::new(),
@@ -116,10 +117,18 @@ impl SceneJoint {
     }
 
     /// The joint in its initial state, and its sides.
-    pub(crate) fn build(self, mesh: &Mesh) -> Result<(NamedJoint, NamedSurface), Error> {
-        let start = self.start(mesh)?;
-        let joint = start.joint(mesh, (&self.name, &self.surface), self.law)?;
-        Ok((joint, (self.name, self.surface)))
+    pub(crate) fn build(
+        &self,
+        mesh: &Mesh,
+        closing: Closing,
+    ) -> Result<(NamedJoint, NamedSurface), Error> {
+        let (start, law) = match closing {
+            Closing::Own => (self.start(mesh)?, self.law.clone()),
+            Closing::Bonded => (Start::default(), self.law.clone()),
+            Closing::Tied => (Start::default(), Arc::new(Tied) as Arc<dyn ContactLaw>),
+        };
+        let joint = start.joint(mesh, (&self.name, &self.surface), law)?;
+        Ok((joint, (self.name.clone(), self.surface.clone())))
     }
 
     fn start(&self, mesh: &Mesh) -> Result<Start, Error> {
@@ -139,7 +148,19 @@ impl SceneJoint {
     }
 }
 
+/// How a joint is closed while a body comes to rest, or moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Closing {
+    /// As it is given.
+    Own,
+    /// Without gap, with the bond of its law everywhere.
+    Bonded,
+    /// Held whatever its law admits.
+    Tied,
+}
+
 /// How the pairs of a joint start.
+#[derive(Default)]
 struct Start {
     preload: Option<Preload>,
     gap: InitialGap,

@@ -9,9 +9,10 @@ use powerhouse_explicit_core::observe::{HistoryTable, SnapshotSink};
 use powerhouse_io::{IoError, TableColumn, write_summary, write_table, write_whole};
 use powerhouse_model::Mesh;
 
+use super::stages::StageFiles;
 use super::summary::Summary;
 use super::{Results, drawing, joints, vtu};
-use crate::{Error, Remark};
+use crate::{Error, Remark, StageSink};
 
 /// A folder that takes the files of a run.
 ///
@@ -27,6 +28,8 @@ use crate::{Error, Remark};
 /// | `envelope.vtu` | greatest values with their times |
 /// | `state.vtu` | the greatest of what laws remember, such as damage, with times; damage type and yield state at the end |
 /// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
+/// | `stages/NUMBER-NAME.vtu` | the body at the end of each stage: displacement, stress, what laws remember, which elements are there; beside it the facets of joints (`-JOINT.vtu`) and the axial forces of bolts (`-BOLTS.csv`) |
+/// | `bolts/NAME.csv` | axial forces of bolts at the end, segment by segment |
 /// | `snapshots.pvd` and a folder beside it | whole fields, and the facets of joints, for ParaView |
 /// | `scene.toml` | the scene as it was run |
 ///
@@ -39,6 +42,8 @@ pub struct ResultFolder {
 
 /// The collection of snapshots.
 const SNAPSHOTS: &str = "snapshots.pvd";
+/// The folder of stages.
+const STAGES: &str = "stages";
 /// The file that marks a folder of results.
 const SUMMARY: &str = "summary.json";
 /// Tables, with a plot of each of their names.
@@ -73,7 +78,7 @@ impl ResultFolder {
         remove(&probe)
     }
 
-    /// Removes what an earlier run left: its snapshots, and, if there is a summary that this
+    /// Removes what an earlier run left: its snapshots and stages, and, if there is a summary that this
     /// software wrote, tables, envelope, plots and pictures. Anything else in the folder stays, a
     /// scene too.
     ///
@@ -82,12 +87,15 @@ impl ResultFolder {
     pub fn clear(&self) -> Result<(), Error> {
         let mut old = vec![self.path.join(SNAPSHOTS)];
         old.extend(self.files_in("snapshots", "snapshots_", ".vtu"));
+        old.extend(self.files_in(STAGES, "", ".vtu"));
+        old.extend(self.files_in(STAGES, "", ".csv"));
         if self.has_results() {
             old.extend(TABLES.iter().map(|table| self.path.join(table)));
             old.extend([ENVELOPE, STATE].map(|file| self.path.join(file)));
             old.extend(self.files_in("plots", "", ".svg"));
             old.extend(self.files_in("pictures", "", ".png"));
             old.extend(self.files_in("joints", "", ".vtu"));
+            old.extend(self.files_in("bolts", "", ".csv"));
             // The mark goes last, so that a failure on the way can be made good.
             old.push(self.path.join(SUMMARY));
         }
@@ -128,8 +136,22 @@ impl ResultFolder {
         Ok(vtu::snapshots(self.path.join(SNAPSHOTS), mesh, joints)?)
     }
 
+    /// A sink that writes what the stages of a scene leave of a mesh and of the sides of its joints, by
+    /// name.
+    ///
+    /// # Errors
+    /// A mesh that VTU files cannot hold.
+    pub fn stages(
+        &self,
+        mesh: &Mesh,
+        joints: &[(String, JointSurface)],
+    ) -> Result<Box<dyn StageSink>, Error> {
+        let files = StageFiles::new(self.path.join(STAGES), mesh, joints)?;
+        Ok(Box::new(files))
+    }
+
     /// Writes the results, and the scene's text if there is one; returns the files written, the
-    /// collection of snapshots among them.
+    /// collection of snapshots among them; those of stages are written as they come to rest.
     ///
     /// # Errors
     /// The file that could not be written.
@@ -196,6 +218,10 @@ impl ResultFolder {
             files.write(&name, |file| {
                 joints::write(file, mesh, joint, results.run.time)
             })?;
+        }
+        for bolts in &results.bolts {
+            let name = format!("bolts/{}.csv", drawing::file_name(&bolts.name));
+            files.write(&name, |file| write_table(file, &bolts.columns()))?;
         }
         if results.snapshots > 0 {
             files.written.push(self.path.join(SNAPSHOTS));

@@ -1,14 +1,17 @@
 //! What is kept of a run.
 
+mod bolts;
 mod drawing;
 mod folder;
 mod joints;
 mod plan;
 mod remembered;
 mod results;
+mod stages;
 mod summary;
 mod vtu;
 
+pub use bolts::BoltForces;
 pub use folder::ResultFolder;
 pub use plan::{
     CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,

@@ -3,15 +3,15 @@
 use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::RunReport;
 use powerhouse_explicit_core::observe::{
     Column, CutSource, EnergyHistory, Envelope, EnvelopeTable, History, HistoryTable,
     JointHistories, JointOutcome, JointQuantities, JointTable, JointTables, JointWatch, Motion,
     PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
+use powerhouse_explicit_core::{HandOverReport, RunReport, StageReport};
 use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
 
-use super::{JointWish, OutputPlan, Remembered};
+use super::{BoltForces, JointWish, OutputPlan, Remembered};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 
@@ -60,6 +60,12 @@ pub struct Results {
     pub joint_surfaces: Vec<JointSurface>,
     /// How many snapshots the run's sink took.
     pub snapshots: u64,
+    /// What the stages took and did, before the run.
+    pub stages: Vec<StageReport>,
+    /// What holds the body beside its loads, if it went through stages.
+    pub hand_over: Option<HandOverReport>,
+    /// The axial forces of bolts at the end.
+    pub bolts: Vec<BoltForces>,
 }
 
 impl Results {
@@ -275,6 +281,9 @@ impl Recordings {
             envelope: self.envelope.map(|recording| recording.copy()),
             state: self.state.map(|recording| recording.copy()),
             snapshots,
+            stages: Vec::new(),
+            hand_over: None,
+            bolts: Vec::new(),
         }
     }
 }

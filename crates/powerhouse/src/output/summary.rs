@@ -1,11 +1,11 @@
 //! What a run says of itself in one file.
 
-use powerhouse_explicit_core::Ended;
 use powerhouse_explicit_core::observe::{JointOutcome, JointTable, PeakRow};
+use powerhouse_explicit_core::{Ended, StageReport};
 use powerhouse_model::{LimitingTerm, Mesh};
 use serde::Serialize;
 
-use super::Results;
+use super::{BoltForces, Results};
 use crate::Remark;
 
 /// `summary.json`.
@@ -27,6 +27,12 @@ pub(super) struct Summary {
     wall_time: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     stable_step: Option<StableStepSummary>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    stages: Vec<Stage>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hand_over: Option<HandOver>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    bolts: Vec<Bolts>,
     peaks: Vec<Peak>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     joints: Vec<Joint>,
@@ -46,6 +52,39 @@ struct StableStepSummary {
     element: u64,
     set: String,
     term: &'static str,
+}
+
+/// What a stage took and did.
+#[derive(Debug, Serialize)]
+struct Stage {
+    name: String,
+    excavated: usize,
+    cast: usize,
+    increments: u32,
+    corrections: u32,
+    /// Forces out of balance over the load
+    residual: f64,
+    /// m
+    largest_displacement: f64,
+    node: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct HandOver {
+    /// N, norm
+    standing: f64,
+    /// Over the internal forces
+    difference: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Bolts {
+    name: String,
+    bolts: usize,
+    /// N, at the end
+    greatest_force: f64,
+    /// Which bolt bears it, from one
+    bolt: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -141,6 +180,12 @@ impl Summary {
                     LimitingTerm::StiffnessDamping => "stiffness damping",
                 },
             }),
+            stages: results.stages.iter().map(Stage::new).collect(),
+            hand_over: results.hand_over.as_ref().map(|report| HandOver {
+                standing: report.standing,
+                difference: report.difference,
+            }),
+            bolts: results.bolts.iter().filter_map(Bolts::new).collect(),
             peaks: results
                 .peaks(mesh)
                 .rows
@@ -167,6 +212,33 @@ impl Summary {
                 .chain(results.doubts(mesh).iter().map(Remark::to_string))
                 .collect(),
         }
+    }
+}
+
+impl Stage {
+    fn new(report: &StageReport) -> Self {
+        Self {
+            name: report.name.clone(),
+            excavated: report.excavated,
+            cast: report.cast,
+            increments: report.solution.increments,
+            corrections: report.solution.corrections,
+            residual: report.solution.residual,
+            largest_displacement: report.largest_displacement.0,
+            node: report.largest_displacement.1,
+        }
+    }
+}
+
+impl Bolts {
+    fn new(forces: &BoltForces) -> Option<Self> {
+        let (bolt, greatest_force) = forces.greatest()?;
+        Some(Self {
+            name: forces.name.clone(),
+            bolts: forces.bolts.last().map_or(0, |last| last + 1),
+            greatest_force,
+            bolt: bolt + 1,
+        })
     }
 }
 

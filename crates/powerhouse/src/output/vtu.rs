@@ -22,7 +22,7 @@ fn writer(file: &Path, mesh: &Mesh) -> Result<VtuWriter, IoError> {
 }
 
 /// Flags are whole numbers, amounts and components are not.
-fn numbers(variable: &HistoryVariable) -> VtuNumbers {
+pub(super) fn numbers(variable: &HistoryVariable) -> VtuNumbers {
     match variable.kind {
         HistoryKind::Flags => VtuNumbers::Whole,
         HistoryKind::Amount | HistoryKind::Component => VtuNumbers::Real,

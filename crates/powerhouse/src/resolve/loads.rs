@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use powerhouse_explicit_core::{
     FacePressure, FaceTraction, NodalForce, PeriodicPairs, Prescribed, Profile, Support,
 };
-use powerhouse_model::{Table, TimeFunction, Vec3};
+use powerhouse_model::{Facet, NodalLoad, Table, TimeFunction, Vec3};
 use powerhouse_wavefield::{EndDisplacement, Signal};
 
 use super::record::PreparedRecord;
 use super::{Names, named, one_of, vector};
 use crate::Scene;
+use crate::acting::SharedLoad;
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_DENSITY};
 
@@ -72,11 +73,12 @@ pub(super) fn supports(
                 let tag = |&node: &u32| names.mesh.node_tags()[node as usize];
                 let tags = nodes.iter().map(tag).collect();
                 scene.places.prescribed.push((along.span(), tags));
-                scene.prescribed.push(Prescribed {
+                let prescribed = Prescribed {
                     nodes,
                     direction: direction(along)?,
                     displacement,
-                });
+                };
+                scene.prescribed.push(prescribed.into());
             }
         }
     }
@@ -84,7 +86,7 @@ pub(super) fn supports(
 }
 
 /// A vector that has a direction.
-fn direction(at: &At<[Finite; 3]>) -> Result<Vec3, Fault> {
+pub(super) fn direction(at: &At<[Finite; 3]>) -> Result<Vec3, Fault> {
     let vector = vector(at);
     if vector.norm() > 0.0 {
         return Ok(vector);
@@ -111,7 +113,7 @@ fn of_record(
 }
 
 /// The mean outward normal of a plane facet set.
-fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault> {
+pub(super) fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault> {
     if names.mesh.facet_set(set).is_err() && names.mesh.node_set(set).is_ok() {
         let key = "normal".into();
         return Err(Fault::new(set.span(), Problem::MissingKey { key }));
@@ -131,62 +133,81 @@ fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault> {
     Err(Fault::new(set.span(), problem))
 }
 
+/// What acts on a body: forces at nodes, or an acceleration (m/s2) of all masses.
+pub(super) enum Acting {
+    Load(Box<dyn NodalLoad>),
+    Weight(Vec3, Box<dyn TimeFunction>),
+}
+
 pub(super) fn loads(names: &Names, loads: &[At<Load>], scene: &mut Scene) -> Result<(), Fault> {
-    for load in loads {
-        let history = |factor: f64| history(load.function(), factor, load);
-        let refused = |error| {
-            let set = load.set().map_or(load.span(), At::span);
-            Fault::refused(set, error)
-        };
-        match &**load {
-            Load::Gravity { acceleration, .. } => {
-                let acceleration = acceleration.map_or(GRAVITY, Positive::get);
-                let downwards = Vec3::new(0.0, 0.0, -acceleration);
-                scene.weights.push((downwards, history(1.0)?));
-            }
-            Load::Pressure { set, pressure, .. } => {
-                let history = history(pressure.get())?;
-                let facets = names.facets(set)?;
-                let load = FacePressure::new(names.mesh, facets, Profile::Uniform, history);
-                scene.loads.push(Box::new(load.map_err(refused)?));
-            }
-            Load::Water {
-                set,
-                level,
-                density,
-                ..
-            } => {
-                let density = density.map_or(WATER_DENSITY, Positive::get);
-                let profile = Profile::Depth {
-                    gradient: density * GRAVITY,
-                    level: level.get(),
-                };
-                let facets = names.facets(set)?;
-                let load = FacePressure::new(names.mesh, facets, profile, history(1.0)?);
-                scene.loads.push(Box::new(load.map_err(refused)?));
-            }
-            Load::Traction {
-                set,
-                traction,
-                level,
-                ..
-            } => {
-                let profile = level.map_or(Profile::Uniform, |level| Profile::Depth {
-                    gradient: 1.0,
-                    level: level.get(),
-                });
-                let (facets, traction) = (names.facets(set)?, vector(traction));
-                let history = history(1.0)?;
-                let load = FaceTraction::new(names.mesh, facets, traction, profile, history);
-                scene.loads.push(Box::new(load.map_err(refused)?));
-            }
-            Load::Nodal { set, force, .. } => {
-                let load = NodalForce::new(names.nodes(set)?, vector(force), history(1.0)?);
-                scene.loads.push(Box::new(load));
+    let facets = |set: &At<String>| names.facets(set).map(<[Facet]>::to_vec);
+    for table in loads {
+        match load(names, table, &facets)? {
+            Acting::Load(load) => scene.loads.push(SharedLoad::new(load)),
+            Acting::Weight(acceleration, history) => {
+                scene.weights.push((acceleration, history.into()));
             }
         }
     }
     Ok(())
+}
+
+/// What the name of a facet set stands for.
+type FacetsOf<'f> = dyn Fn(&At<String>) -> Result<Vec<Facet>, Fault> + 'f;
+
+/// A load, on what its facet set stands for.
+pub(super) fn load(names: &Names, load: &At<Load>, facets: &FacetsOf) -> Result<Acting, Fault> {
+    let history = |factor: f64| history(load.function(), factor, load);
+    let refused = |error| {
+        let set = load.set().map_or(load.span(), At::span);
+        Fault::refused(set, error)
+    };
+    let load: Box<dyn NodalLoad> = match &**load {
+        Load::Gravity { acceleration, .. } => {
+            let acceleration = acceleration.map_or(GRAVITY, Positive::get);
+            let downwards = Vec3::new(0.0, 0.0, -acceleration);
+            return Ok(Acting::Weight(downwards, history(1.0)?));
+        }
+        Load::Pressure { set, pressure, .. } => {
+            let history = history(pressure.get())?;
+            let load = FacePressure::new(names.mesh, &facets(set)?, Profile::Uniform, history);
+            Box::new(load.map_err(refused)?)
+        }
+        Load::Water {
+            set,
+            level,
+            density,
+            ..
+        } => {
+            let density = density.map_or(WATER_DENSITY, Positive::get);
+            let profile = Profile::Depth {
+                gradient: density * GRAVITY,
+                level: level.get(),
+            };
+            let load = FacePressure::new(names.mesh, &facets(set)?, profile, history(1.0)?);
+            Box::new(load.map_err(refused)?)
+        }
+        Load::Traction {
+            set,
+            traction,
+            level,
+            ..
+        } => {
+            let profile = level.map_or(Profile::Uniform, |level| Profile::Depth {
+                gradient: 1.0,
+                level: level.get(),
+            });
+            let (facets, traction) = (facets(set)?, vector(traction));
+            let history = history(1.0)?;
+            let load = FaceTraction::new(names.mesh, &facets, traction, profile, history);
+            Box::new(load.map_err(refused)?)
+        }
+        Load::Nodal { set, force, .. } => {
+            let load = NodalForce::new(names.nodes(set)?, vector(force), history(1.0)?);
+            Box::new(load)
+        }
+    };
+    Ok(Acting::Load(load))
 }
 
 /// A function of time, times a factor.

@@ -1,40 +1,42 @@
 //! From the joints of a scene to constraints.
 
 use powerhouse_contact::Joint;
-use powerhouse_model::Mesh;
 
-use crate::joint::{NamedJoint, NamedSurface};
-use crate::{Error, SceneJoint};
+use super::Scene;
+use crate::Error;
+use crate::joint::{Closing, NamedJoint, NamedSurface};
 
 /// Joints that share nodes, and those nodes.
 type Group = (Vec<u32>, Vec<NamedJoint>);
 
-/// Constraints of the joints: those that share nodes, directly or by way of others, in one; and the
-/// surfaces by the joints' names.
-pub(super) fn constraints(
-    mesh: &Mesh,
-    joints: Vec<SceneJoint>,
-) -> Result<(Vec<NamedJoint>, Vec<NamedSurface>), Error> {
-    let mut groups: Vec<Group> = Vec::new();
-    let mut surfaces = Vec::with_capacity(joints.len());
-    for joint in joints {
-        let (joint, surface) = joint.build(mesh)?;
-        let mut nodes: Vec<u32> = surface.1.pairs.iter().flat_map(|pair| pair.nodes).collect();
-        let mut members = vec![joint];
-        let (touching, apart) = (groups.into_iter()).partition::<Vec<_>, _>(|(others, _)| {
-            nodes.iter().any(|node| others.binary_search(node).is_ok())
-        });
-        groups = apart;
-        for (others, joints) in touching.into_iter().rev() {
-            nodes.extend(others);
-            members.splice(0..0, joints);
+impl Scene {
+    /// Constraints of the joints: those that share nodes, directly or by way of others, in one; and
+    /// the surfaces by the joints' names.
+    pub(crate) fn constraints_of_joints(
+        &self,
+        closing: impl Fn(&str) -> Closing,
+    ) -> Result<(Vec<NamedJoint>, Vec<NamedSurface>), Error> {
+        let mut groups: Vec<Group> = Vec::new();
+        let mut surfaces = Vec::with_capacity(self.joints.len());
+        for joint in &self.joints {
+            let (joint, surface) = joint.build(&self.mesh, closing(&joint.name))?;
+            let mut nodes: Vec<u32> = surface.1.pairs.iter().flat_map(|pair| pair.nodes).collect();
+            let mut members = vec![joint];
+            let (touching, apart) = (groups.into_iter()).partition::<Vec<_>, _>(|(others, _)| {
+                nodes.iter().any(|node| others.binary_search(node).is_ok())
+            });
+            groups = apart;
+            for (others, joints) in touching.into_iter().rev() {
+                nodes.extend(others);
+                members.splice(0..0, joints);
+            }
+            nodes.sort_unstable();
+            nodes.dedup();
+            groups.push((nodes, members));
+            surfaces.push(surface);
         }
-        nodes.sort_unstable();
-        nodes.dedup();
-        groups.push((nodes, members));
-        surfaces.push(surface);
+        let joined = groups.into_iter().map(|(_, members)| Joint::join(members));
+        let joined = joined.collect::<Result<_, _>>()?;
+        Ok((joined, surfaces))
     }
-    let joined = groups.into_iter().map(|(_, members)| Joint::join(members));
-    let joined = joined.collect::<Result<_, _>>()?;
-    Ok((joined, surfaces))
 }

@@ -1,5 +1,6 @@
 //! A scene: everything that a run needs, composed from names or from Rust.
 
+mod body;
 mod file;
 mod joints;
 mod medium;
@@ -9,8 +10,9 @@ mod prepare;
 mod rim;
 mod surroundings;
 
+pub(crate) use body::Piece;
 pub use memory::LawMemory;
-pub(crate) use places::{NOT_AT_REST, Places};
+pub(crate) use places::{NOT_AT_REST, Places, StagePlaces};
 pub(crate) use prepare::field_motion;
 pub(crate) use surroundings::box_corners;
 
@@ -27,8 +29,9 @@ use powerhouse_model::{
 
 use powerhouse_wavefield::TimeHistory;
 
+use crate::acting::{SharedFunction, SharedLoad};
 use crate::output::{OutputPlan, ResultFolder};
-use crate::{Part, Remark, SceneJoint, SceneText};
+use crate::{InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
 
 /// Where the mesh ends and the ground goes on.
 #[derive(Clone)]
@@ -59,6 +62,23 @@ impl Boundary {
     pub fn scatterer(mut self, centre: Vec3) -> Self {
         self.scatterer = Some(centre);
         self
+    }
+}
+
+/// Nodes whose motion is given, in every model of a scene.
+pub(crate) struct Driven {
+    pub(crate) nodes: Vec<u32>,
+    pub(crate) direction: Vec3,
+    pub(crate) displacement: SharedFunction,
+}
+
+impl From<Prescribed> for Driven {
+    fn from(prescribed: Prescribed) -> Self {
+        Self {
+            nodes: prescribed.nodes,
+            direction: prescribed.direction,
+            displacement: prescribed.displacement.into(),
+        }
     }
 }
 
@@ -128,11 +148,14 @@ pub struct Scene {
     pub(crate) boundary: Option<Boundary>,
     pub(crate) supports: Vec<Support>,
     pub(crate) periodic: Vec<PeriodicPairs>,
-    pub(crate) prescribed: Vec<Prescribed>,
-    pub(crate) loads: Vec<Box<dyn NodalLoad>>,
-    pub(crate) weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
+    pub(crate) prescribed: Vec<Driven>,
+    pub(crate) loads: Vec<SharedLoad>,
+    pub(crate) weights: Vec<(Vec3, SharedFunction)>,
     pub(crate) constraints: Vec<Box<dyn Constraint>>,
     pub(crate) joints: Vec<SceneJoint>,
+    pub(crate) in_situ_stress: Option<InSituStress>,
+    pub(crate) bolts: Vec<SceneBolts>,
+    pub(crate) stages: Vec<SceneStage>,
     pub(crate) duration: f64,
     pub(crate) start: f64,
     pub(crate) initial: InitialMotion,
@@ -166,6 +189,9 @@ impl Scene {
             weights: Vec::new(),
             constraints: Vec::new(),
             joints: Vec::new(),
+            in_situ_stress: None,
+            bolts: Vec::new(),
+            stages: Vec::new(),
             duration: 1.0,
             start: 0.0,
             initial: InitialMotion::Rest,
@@ -222,19 +248,19 @@ impl Scene {
     /// Adds nodes whose motion is given.
     #[must_use]
     pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
-        self.prescribed.push(prescribed);
+        self.prescribed.push(prescribed.into());
         self
     }
     /// Adds a load.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
-        self.loads.push(Box::new(load));
+        self.loads.push(SharedLoad::new(Box::new(load)));
         self
     }
     /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.
     #[must_use]
     pub fn gravity(mut self, acceleration: Vec3, history: impl TimeFunction + 'static) -> Self {
-        self.weights.push((acceleration, Box::new(history)));
+        self.weights.push((acceleration, Arc::new(history)));
         self
     }
     /// Adds a joint; each must have a name of its own. Joints that share nodes are solved together.
@@ -247,6 +273,24 @@ impl Scene {
     #[must_use]
     pub fn constraint(mut self, constraint: impl Constraint + 'static) -> Self {
         self.constraints.push(Box::new(constraint));
+        self
+    }
+    /// Sets the stress of the ground before the first stage.
+    #[must_use]
+    pub fn in_situ_stress(mut self, stress: InSituStress) -> Self {
+        self.in_situ_stress = Some(stress);
+        self
+    }
+    /// Adds bolts, which a stage installs.
+    #[must_use]
+    pub fn bolts(mut self, bolts: SceneBolts) -> Self {
+        self.bolts.push(bolts);
+        self
+    }
+    /// Adds a stage through which the body goes before it moves, after those that it has.
+    #[must_use]
+    pub fn stage(mut self, stage: SceneStage) -> Self {
+        self.stages.push(stage);
         self
     }
     /// Sets how long the run lasts (s).
@@ -366,6 +410,10 @@ impl Scene {
     /// Nodes that move as one.
     pub fn periodic_pairs(&self) -> &[PeriodicPairs] {
         &self.periodic
+    }
+    /// The stages through which the body goes before it moves.
+    pub fn stages(&self) -> &[SceneStage] {
+        &self.stages
     }
     /// Whether a field, a load, a weight or a prescribed motion acts on it.
     pub fn is_driven(&self) -> bool {

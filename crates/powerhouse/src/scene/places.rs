@@ -4,8 +4,8 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use powerhouse_explicit_core::EngineError;
 use powerhouse_explicit_core::observe::ObserveError;
+use powerhouse_explicit_core::{EngineError, StageError};
 use powerhouse_model::{ModelError, RunError};
 
 use crate::{Error, Fault, SceneFault, SceneText};
@@ -13,6 +13,44 @@ use crate::{Error, Fault, SceneFault, SceneText};
 /// What puts a body at rest in a moving field right.
 pub(crate) const NOT_AT_REST: &str =
     "an earlier `start`, a later `arrival`, or `initial = \"field\"`";
+
+/// Where stages stand, and what they name.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StagePlaces {
+    /// The names of the stages, in their order.
+    pub(crate) names: Vec<(String, Range<usize>)>,
+    /// Values by stage (none for what stands outside of stages), key and value.
+    pub(crate) items: BTreeMap<(Option<String>, &'static str, String), Range<usize>>,
+}
+
+impl StagePlaces {
+    /// The place of a value of a key; the stage's name without one, the first stage's without that.
+    fn find(
+        &self,
+        stage: Option<&str>,
+        (key, value): (&'static str, &str),
+    ) -> Option<Range<usize>> {
+        let own = (stage.map(str::to_owned), key, value.to_owned());
+        let item = self.items.get(&own).cloned();
+        // The later one of two of a name.
+        let mut names = self.names.iter().rev();
+        let named = names.find(|(name, _)| Some(name.as_str()) == stage);
+        item.or_else(|| named.or(self.names.first()).map(|(_, place)| place.clone()))
+    }
+    fn last(&self) -> Option<Range<usize>> {
+        self.names.last().map(|(_, place)| place.clone())
+    }
+}
+
+/// The stage that an error of the engine concerns.
+fn stage_of(error: &StageError) -> Option<&str> {
+    match error {
+        StageError::Elements { stage, .. }
+        | StageError::Model { stage, .. }
+        | StageError::Rest { stage, .. } => Some(stage),
+        _ => None,
+    }
+}
 
 /// Bytes of the scene's file.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +73,8 @@ pub(crate) struct Places {
     pub(crate) materials: BTreeMap<String, Range<usize>>,
     /// Rims of parts, by their set.
     pub(crate) rims: BTreeMap<String, Range<usize>>,
+    /// Stages: names and what stands in them.
+    pub(crate) stages: StagePlaces,
     /// Prescribed motions, with the user's numbers of their nodes.
     pub(crate) prescribed: Vec<(Range<usize>, Vec<u64>)>,
 }
@@ -65,12 +105,18 @@ impl Places {
         SceneFault::new(text.clone(), fault).into()
     }
 
-    fn of(&self, error: &Error) -> Option<Range<usize>> {
+    /// The place of an error, if it is known.
+    pub(crate) fn of(&self, error: &Error) -> Option<Range<usize>> {
         let place = match error {
             Error::NotAtRest { .. } => self.start.clone(),
             Error::ForeignMedium { .. } | Error::InnerFacet { .. } => self.faces.clone(),
             Error::UnusedField { .. } => self.field.clone(),
             Error::IdleRim { set, .. } => return self.rims.get(set).cloned(),
+            Error::Staging { stage, source } => {
+                return self.stages.find(stage.as_deref(), source.item());
+            }
+            Error::Stage(error) => return self.stages.find(Some(stage_of(error)?), ("", "")),
+            Error::HandOver { .. } => return self.stages.last(),
             Error::Run(RunError::TooLittleDamping { .. }) => self.scheme.clone(),
             Error::Run(RunError::UnstableStep { .. }) => self.step.clone(),
             Error::Model(ModelError::Refused { source, .. }) => {

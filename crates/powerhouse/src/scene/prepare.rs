@@ -1,20 +1,27 @@
 //! From a scene to a model that can be stepped.
 
-use std::collections::HashSet;
-
 use powerhouse_explicit_core::observe::CutSource;
-use powerhouse_explicit_core::{BlockOptions, Model, Rayleigh};
+use powerhouse_explicit_core::{BlockFactory, Leapfrog, Model, ModelBuilder};
 use powerhouse_model::{
-    BoundarySite, ElementKind, IncidentField, Mat3, NodalImpedance, State, Vec3,
+    BoundaryParts, BoundarySite, Constraint, ElasticMedium, Facet, IncidentField, Mat3,
+    NodalImpedance, State, Vec3,
 };
 
-use super::joints::constraints;
-use super::{InitialMotion, Places, ResidualLimit, Scene, TimeStep};
+use super::{InitialMotion, Piece, Places, ResidualLimit, Scene, TimeStep};
+use crate::joint::{Closing, NamedSurface};
 use crate::output::{Recordings, Remembered};
-use crate::{Damping, DampingCost, Error, Material, Part, Remark, Simulation};
+use crate::stage::{Staging, Timeline};
+use crate::{Error, Remark, Simulation};
+
+/// A model that is all but built, and the sides of its joints by name.
+pub(crate) struct Moving<'a> {
+    pub(crate) builder: ModelBuilder<'a>,
+    surfaces: Vec<NamedSurface>,
+}
 
 impl Scene {
-    /// Builds the model: checks everything, renumbers, packs elements, prepares the boundary.
+    /// Builds the model: checks everything, renumbers, packs elements, prepares the boundary. Stages
+    /// are looked at, not gone through: that is the run's.
     ///
     /// # Errors
     /// The first thing that does not fit, named by the user's sets and numbers.
@@ -40,188 +47,160 @@ impl Scene {
             )?;
         }
         self.mesh.check()?;
-        let owner = self.part_of_elements()?;
-        let scatterer = self.scatterer()?;
+        self.part_of_elements()?;
+        self.scatterer()?;
         let rims = self.rims()?;
-        let mut builder = Model::builder(&self.mesh);
-        let mut blocks = Vec::new();
-        let mut remarks = Vec::new();
-        for (part, rim) in self.parts.iter().zip(&rims) {
-            let doubts = part.material.doubts().iter();
-            remarks.extend(doubts.map(|doubt| Remark::Material {
-                set: part.set.clone(),
-                doubt: doubt.clone(),
-            }));
-            let kinds = by_kind(&self, part)?;
-            if let Some(kernel) = part.idle_kernel(kinds.iter().map(|(kind, _)| *kind)) {
-                return Err(Error::IdleKernel {
-                    set: part.set.clone(),
-                    kernel: kernel.name().into(),
-                });
-            }
-            let moving = part.moving_material()?;
-            remarks.extend(facts(&self, part, &moving, rim)?);
-            for (kind, elements) in kinds {
-                let kernel = part.kernel_for(kind).ok_or_else(|| Error::NoKernel {
-                    element: self.mesh.element_tags()[elements[0] as usize],
-                    set: part.set.clone(),
-                    kind: kind.name(),
-                })?;
-                let (at_rim, inner): (Vec<u32>, Vec<u32>) =
-                    elements.iter().partition(|element| rim.contains(element));
-                for (elements, material, damping) in [
-                    (inner, moving.clone(), part.damping.rayleigh()),
-                    (at_rim, part.rim_material(), Rayleigh::default()),
-                ] {
-                    if elements.is_empty() {
-                        continue;
-                    }
-                    let mut options = BlockOptions::default();
-                    options.precision = self.precision;
-                    options.damping = damping;
-                    let factory = || kernel.blocks(&part.set, &material, options);
-                    builder = builder.elements(elements.clone(), factory());
-                    blocks.push((elements, factory(), material.medium()));
-                }
-            }
-        }
-        let sources: Vec<CutSource> = blocks
-            .iter()
-            .map(|(elements, factory, medium)| CutSource {
-                elements,
+        let (pieces, mut remarks) = self.pieces(&rims)?;
+        let timeline = Timeline::of(&self)?;
+        let blocks: Vec<(Box<dyn BlockFactory>, ElasticMedium)> = (pieces.iter())
+            .map(|piece| {
+                let factory = piece.moving(&self.parts[piece.part], self.precision);
+                (factory, piece.material.medium())
+            })
+            .collect();
+        let sources: Vec<CutSource> = (pieces.iter().zip(&blocks))
+            .map(|(piece, (factory, medium))| CutSource {
+                elements: &piece.elements,
                 factory: factory.as_ref(),
                 medium: *medium,
             })
             .collect();
         let remembered = Remembered::of(&self, &rims)?;
         let mut observed = Recordings::observe(&self.output, &self.mesh, &sources, &remembered)?;
-        if let Some(boundary) = &self.boundary {
-            let facets = self.absorbing_facets()?;
-            self.check_faces(&facets)?;
-            let medium = |element: u32| {
-                let part = owner[element as usize];
-                let part = part.expect("facets belong to solids, and every solid to a part");
-                self.parts[part].material.medium()
-            };
-            let field = self.field.as_deref();
-            let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
-            if let Some(field) = field {
-                self.check_field(field, &site)?;
+        let own = core::mem::take(&mut self.constraints);
+        let mut model = {
+            let mut builder = Model::builder(&self.mesh);
+            if let Some(timeline) = &timeline {
+                builder = builder.start(timeline.bare_state(self.mesh.node_count()));
             }
-            remarks.extend(self.doubts_around(&facets, &site)?);
-            let parts = boundary.condition.build(&site).map_err(|error| {
-                Places::put_at(&self.source, self.places.boundary.clone(), error.into())
-            })?;
-            let springs = |node: &NodalImpedance| node.spring != Mat3::zeros();
-            if boundary.scatterer.is_none() && parts.impedance.iter().any(springs) {
-                let position = scatterer;
-                remarks.push(Remark::Scatterer { position });
+            for constraint in own {
+                builder = builder.constraint(constraint);
             }
-            if let (Some(field), []) = (field, &parts.loads[..]) {
-                return Err(Error::UnusedField {
-                    field: field.name().into(),
-                    reason: "the boundary lets no motion in",
-                });
-            }
-            builder = builder.boundary(parts);
-        } else if let (Some(field), InitialMotion::Rest) = (&self.field, self.initial) {
-            return Err(Error::UnusedField {
-                field: field.name().into(),
-                reason: "there is no boundary through which it comes in",
-            });
-        }
+            let Moving { builder, surfaces } =
+                self.moving(builder, &pieces, timeline.as_ref(), &mut remarks)?;
+            observed
+                .0
+                .watch_joints(&self.output, &self.mesh, surfaces, &mut observed.1)?;
+            builder.build()?
+        };
         self.remarks.append(&mut remarks);
-        for support in self.supports {
-            builder = builder.support(support);
+        if timeline.is_none() {
+            let mut state = State::at_rest(self.mesh.node_count());
+            state.time = self.start;
+            model.set_state(&state)?;
         }
-        for pairs in self.periodic {
-            builder = builder.periodic(pairs);
+        let field = match (self.initial, &self.field) {
+            (InitialMotion::Rest, _) => None,
+            (InitialMotion::Field, Some(field)) => Some(field.clone()),
+            (InitialMotion::Field, None) => return Err(Error::NoField),
+        };
+        let integrator = core::mem::replace(&mut self.integrator, Box::new(Leapfrog));
+        Ok(Simulation::new(
+            (self.title.clone(), self.mesh.clone(), model),
+            (integrator, step),
+            (self.duration, self.residual),
+            (self.source.clone(), self.places.clone()),
+            field,
+            (self.output.clone(), observed),
+            remembered.variables.clone(),
+            core::mem::take(&mut self.remarks),
+            timeline.map(|timeline| Staging {
+                scene: self,
+                pieces,
+                timeline,
+                variables: remembered.variables,
+            }),
+        ))
+    }
+
+    /// The model that moves, but for its start; what is found about its surroundings is added to the
+    /// remarks.
+    pub(crate) fn moving<'a>(
+        &self,
+        mut builder: ModelBuilder<'a>,
+        pieces: &[Piece],
+        timeline: Option<&Timeline>,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<Moving<'a>, Error> {
+        for piece in pieces {
+            let factory = piece.moving(&self.parts[piece.part], self.precision);
+            builder = builder.elements(piece.elements.clone(), factory);
         }
-        for prescribed in self.prescribed {
-            builder = builder.prescribed(prescribed);
+        let present = timeline.and_then(Timeline::present);
+        if let Some(parts) = self.boundary_parts(present, remarks)? {
+            builder = builder.boundary(parts);
         }
-        for load in self.loads {
-            builder = builder.load(load);
-        }
-        for (acceleration, history) in self.weights {
-            builder = builder.gravity(acceleration, history);
-        }
-        for constraint in self.constraints {
-            builder = builder.constraint(constraint);
-        }
-        let (joints, surfaces) = constraints(&self.mesh, self.joints)?;
-        observed
-            .0
-            .watch_joints(&self.output, &self.mesh, surfaces, &mut observed.1)?;
+        builder = self.acted_on(builder, &self.stages, None);
+        let (joints, surfaces) = self.constraints_of_joints(|_| Closing::Own)?;
         for joint in joints {
-            builder = builder.constraint(Box::new(joint));
+            builder = builder.constraint(Box::new(joint) as Box<dyn Constraint>);
+        }
+        if let Some(timeline) = timeline {
+            for bolts in timeline.bolts(self.stages.len()) {
+                builder = builder.embed(bolts.block());
+            }
         }
         if let Some(threads) = self.threads {
             builder = builder.threads(threads);
         }
-        let mut model = builder.build()?;
-        let mut state = State::at_rest(self.mesh.node_count());
-        state.time = self.start;
-        model.set_state(&state)?;
-        let field = match (self.initial, self.field) {
-            (InitialMotion::Rest, _) => None,
-            (InitialMotion::Field, Some(field)) => Some(field),
-            (InitialMotion::Field, None) => return Err(Error::NoField),
+        Ok(Moving { builder, surfaces })
+    }
+
+    /// What stands where the mesh ends: none without a boundary. Faces of elements that are not there
+    /// when the body moves do not absorb.
+    fn boundary_parts(
+        &self,
+        present: Option<&[bool]>,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<Option<BoundaryParts>, Error> {
+        let Some(boundary) = &self.boundary else {
+            if let (Some(field), InitialMotion::Rest) = (&self.field, self.initial) {
+                return Err(Error::UnusedField {
+                    field: field.name().into(),
+                    reason: "there is no boundary through which it comes in",
+                });
+            }
+            return Ok(None);
         };
-        Ok(Simulation::new(
-            (self.title, self.mesh, model),
-            (self.integrator, step),
-            (self.duration, self.residual),
-            (self.source, self.places),
-            field,
-            (self.output, observed),
-            remembered.variables,
-            self.remarks,
-        ))
-    }
-}
-
-/// What damping in series costs a part, and where it is elastic.
-fn facts(
-    scene: &Scene,
-    part: &Part,
-    moving: &Material,
-    rim: &HashSet<u32>,
-) -> Result<Vec<Remark>, Error> {
-    let mut facts = Vec::new();
-    let set = || part.set.clone();
-    if let Damping::Flat {
-        spectrum,
-        reference,
-    } = &part.damping
-    {
-        facts.push(Remark::FlatDamping {
-            set: set(),
-            cost: DampingCost::of(&part.material, moving, (spectrum, *reference))?,
+        let owner = self.part_of_elements()?;
+        let scatterer = self.scatterer()?;
+        let all = self.absorbing_facets()?;
+        self.check_faces(&all)?;
+        let there = |facet: &Facet| present.is_none_or(|present| present[facet.element as usize]);
+        let facets = all.iter().map(|(face, facets)| {
+            let facets = facets.iter().copied().filter(there);
+            (*face, facets.collect())
         });
-    }
-    if let Some(width) = part.rim {
-        facts.push(Remark::Rim {
-            set: set(),
-            width,
-            elements: rim.len(),
-            of: scene.mesh.element_set(&part.set)?.len(),
-        });
-    }
-    Ok(facts)
-}
-
-/// The elements of a part, kind by kind.
-fn by_kind(scene: &Scene, part: &Part) -> Result<Vec<(ElementKind, Vec<u32>)>, Error> {
-    let mut kinds: Vec<(ElementKind, Vec<u32>)> = Vec::new();
-    for &element in scene.mesh.element_set(&part.set)? {
-        let kind = scene.mesh.kind(element);
-        match kinds.iter_mut().find(|(known, _)| *known == kind) {
-            Some((_, elements)) => elements.push(element),
-            None => kinds.push((kind, vec![element])),
+        let facets: Vec<(&str, Vec<Facet>)> = facets.collect();
+        let facets = facets.iter().map(|(face, facets)| (*face, &facets[..]));
+        let facets: Vec<(&str, &[Facet])> = facets.collect();
+        let medium = |element: u32| {
+            let part = owner[element as usize];
+            let part = part.expect("facets belong to solids, and every solid to a part");
+            self.parts[part].material.medium()
+        };
+        let field = self.field.as_deref();
+        let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
+        if let Some(field) = field {
+            self.check_field(field, &site)?;
         }
+        remarks.extend(self.doubts_around(&facets, &site)?);
+        let parts = boundary.condition.build(&site).map_err(|error| {
+            Places::put_at(&self.source, self.places.boundary.clone(), error.into())
+        })?;
+        let springs = |node: &NodalImpedance| node.spring != Mat3::zeros();
+        if boundary.scatterer.is_none() && parts.impedance.iter().any(springs) {
+            let position = scatterer;
+            remarks.push(Remark::Scatterer { position });
+        }
+        if let (Some(field), []) = (field, &parts.loads[..]) {
+            return Err(Error::UnusedField {
+                field: field.name().into(),
+                reason: "the boundary lets no motion in",
+            });
+        }
+        Ok(Some(parts))
     }
-    Ok(kinds)
 }
 
 /// The motion of a field at the nodes: displacement (m) at `time` and velocity (m/s) half a step

@@ -11,5 +11,6 @@ mod law_points;
 mod law_results;
 mod laws;
 mod runs;
+mod stages;
 mod support;
 mod surroundings;

@@ -79,7 +79,8 @@ pub struct SectionGeometry {
 /// crown.axial_per_metre, crown.shear_per_metre   axial and shear_across over the width (N/m)
 /// crown.moment_per_metre   moment_across over the width (N m/m)
 /// ```
-/// They are those of the change of stress, without that of stiffness damping.
+/// They are those of the stress that displacements make, without that of stiffness damping; in a body
+/// that went through stages they count from the start of the run.
 ///
 /// # Method
 /// The integrals are not taken over the plane. They are the virtual work of the internal forces
@@ -149,6 +150,20 @@ struct Sensor {
     functionals: Vec<Functional>,
     /// Works to be taken off, of the reference displacement.
     reference: [f64; RESULTANTS],
+    /// Works to be taken off, of the stress at the start of a run after stages.
+    start: [f64; RESULTANTS],
+}
+
+impl Sensor {
+    /// Whether its nodes had moved before the run.
+    fn is_staged(&self, view: &dyn StepView) -> bool {
+        let nodes = self
+            .functionals
+            .iter()
+            .flat_map(|functional| &functional.nodes);
+        let mut starts = nodes.map(|&node| view.stage_start(node));
+        starts.any(|start| start != Vec3::zeros())
+    }
 }
 
 /// Names and units of the columns of a cut.
@@ -250,6 +265,7 @@ impl SectionForces {
             geometry,
             functionals,
             reference: [0.0; RESULTANTS],
+            start: [0.0; RESULTANTS],
         });
         Ok(&self.sections[self.sections.len() - 1].geometry)
     }
@@ -336,10 +352,16 @@ impl Observer for SectionForces {
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         self.row.clear();
-        for section in &self.sections {
+        for section in &mut self.sections {
             let mut works = section.reference.map(|work| -work);
             for functional in &section.functionals {
                 functional.add(view, &mut works);
+            }
+            if view.number() == 0 && section.is_staged(view) {
+                section.start = works;
+            }
+            for (work, start) in works.iter_mut().zip(section.start) {
+                *work -= start;
             }
             let [
                 axial,

@@ -1,5 +1,7 @@
 //! Whatever is wrong with a scene file is told once, in place, before any work.
 
+mod stages;
+
 use std::path::PathBuf;
 
 use powerhouse::{Error, Problem, Registry, Scene, SceneFault};

@@ -1,0 +1,55 @@
+//! Loads and functions of time that several models of a scene have, one after the other.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use powerhouse_model::{NodalLoad, TimeFunction, Vec3};
+
+/// A function of time that several models have.
+pub(crate) type SharedFunction = Arc<dyn TimeFunction>;
+
+/// A function for one more model: as it is, or held at its value at a time (s).
+pub(crate) fn function(shared: &SharedFunction, held_at: Option<f64>) -> Box<dyn TimeFunction> {
+    let shared = shared.clone();
+    Box::new(move |time: f64| shared.value(held_at.unwrap_or(time)))
+}
+
+/// A load that several models have.
+#[derive(Clone)]
+pub(crate) struct SharedLoad {
+    name: Arc<str>,
+    nodes: Arc<[u32]>,
+    load: Arc<Mutex<Box<dyn NodalLoad>>>,
+    held_at: Option<f64>,
+}
+
+impl SharedLoad {
+    pub(crate) fn new(load: Box<dyn NodalLoad>) -> Self {
+        Self {
+            name: load.name().into(),
+            nodes: load.nodes().into(),
+            load: Arc::new(Mutex::new(load)),
+            held_at: None,
+        }
+    }
+    /// The same load, held at its forces at a time (s) if there is one.
+    pub(crate) fn held(&self, at: Option<f64>) -> Box<dyn NodalLoad> {
+        Box::new(Self {
+            held_at: at,
+            ..self.clone()
+        })
+    }
+}
+
+impl NodalLoad for SharedLoad {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
+        // A load that panicked elsewhere has ended that run; its own state is whole or its business.
+        let mut load = self.load.lock().unwrap_or_else(PoisonError::into_inner);
+        load.add_forces(self.held_at.unwrap_or(time), forces);
+    }
+}

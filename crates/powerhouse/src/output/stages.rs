@@ -1,0 +1,126 @@
+//! The files of stages.
+
+use std::path::{Path, PathBuf};
+
+use powerhouse_contact::JointSurface;
+use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter, write_table};
+use powerhouse_model::{HistoryVariable, Mesh, State};
+
+use super::BoltForces;
+use super::drawing::file_name;
+use super::joints::{JointFacets, scalars};
+use super::vtu::numbers;
+use crate::joint::NamedSurface;
+use crate::{Error, StageAtRest, StageSink};
+
+/// Writes what stages leave: `NUMBER-NAME.vtu` with displacement, stress, what laws remember and which
+/// elements are there; beside it a file for the facets of each joint and a table for each make of
+/// bolts.
+pub(super) struct StageFiles {
+    folder: PathBuf,
+    writer: VtuWriter,
+    joints: Vec<(String, JointSurface, JointFacets)>,
+}
+
+impl StageFiles {
+    pub(super) fn new(
+        folder: PathBuf,
+        mesh: &Mesh,
+        joints: &[NamedSurface],
+    ) -> Result<Self, IoError> {
+        let writer = VtuWriter::new(mesh, FieldPrecision::Single);
+        let facets = |(name, surface): &NamedSurface| {
+            let facets = JointFacets::new(&folder, mesh, surface)?;
+            Ok((name.clone(), surface.clone(), facets))
+        };
+        Ok(Self {
+            joints: joints.iter().map(facets).collect::<Result<_, IoError>>()?,
+            writer: writer.map_err(|source| IoError::File {
+                file: folder.clone(),
+                source,
+            })?,
+            folder,
+        })
+    }
+
+    fn write(&self, stage: &StageAtRest) -> Result<(), IoError> {
+        let name = format!("{}-{}", stage.index + 1, file_name(&stage.report.name));
+        let file = |end: &str| self.folder.join(format!("{name}{end}"));
+        self.body(&file(".vtu"), stage)?;
+        for (joint, surface, facets) in &self.joints {
+            let of_name = stage.state.joints.iter().find(|state| state.name == *joint);
+            if let Some(state) = of_name {
+                let fields = facets.fields(&surface.pairs, &state.records);
+                let end = format!("-{}.vtu", file_name(joint));
+                let time = (stage.index + 1) as f64;
+                facets
+                    .writer
+                    .write(&file(&end), time, &scalars(&fields), &[])?;
+            }
+        }
+        for bolts in &stage.bolts {
+            if let Some(forces) = BoltForces::of(bolts, stage.mesh, stage.state) {
+                let end = format!("-{}.csv", file_name(bolts.name()));
+                write_table(&file(&end), &forces.columns())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the body; the number of the stage stands for the time.
+    fn body(&self, file: &Path, stage: &StageAtRest) -> Result<(), IoError> {
+        let count = stage.mesh.element_count();
+        let displacement = stage
+            .state
+            .displacement
+            .iter()
+            .flat_map(|u| [u.x, u.y, u.z]);
+        let displacement: Vec<f64> = displacement.collect();
+        let stress: Vec<f64> = stage.stress.iter().flat_map(|stress| stress.0).collect();
+        let mut present = vec![1.0; count];
+        for &element in &stage.state.absent {
+            present[element as usize] = 0.0;
+        }
+        let remembered: Vec<(&HistoryVariable, Vec<f64>)> = (stage.variables.iter())
+            .map(|variable| (variable, shown(stage.state, variable, count)))
+            .collect();
+        let field = |name, components, numbers, values| VtuField {
+            name,
+            components,
+            numbers,
+            values,
+        };
+        let nodal = [field("displacement", 3, VtuNumbers::Real, &displacement)];
+        let mut elemental = vec![
+            field("stress", 6, VtuNumbers::Real, &stress),
+            field("present", 1, VtuNumbers::Whole, &present),
+        ];
+        for (variable, values) in &remembered {
+            elemental.push(field(variable.name, 1, numbers(variable), values));
+        }
+        let number = (stage.index + 1) as f64;
+        self.writer.write(file, number, &nodal, &elemental)
+    }
+}
+
+/// What every element shows of a variable, zero where its law has none.
+fn shown(state: &State, variable: &HistoryVariable, count: usize) -> Vec<f64> {
+    let mut all = vec![0.0; count];
+    for field in state
+        .history
+        .iter()
+        .filter(|field| field.name == variable.name)
+    {
+        let values = field.values.chunks_exact(field.points.max(1));
+        for (&element, values) in field.elements.iter().zip(values) {
+            all[element as usize] = variable.of_element(values.iter().copied());
+        }
+    }
+    all
+}
+
+impl StageSink for StageFiles {
+    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+        Ok(self.write(stage)?)
+    }
+}

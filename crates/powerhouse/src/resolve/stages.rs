@@ -1,0 +1,274 @@
+//! Stages, bolts and the stress of the ground.
+
+use std::collections::BTreeMap;
+
+use powerhouse_explicit_core as engine;
+use powerhouse_explicit_core::{
+    BoltLine, BoltParameters, BoltPattern, StaticMethod, StaticOptions, StressField, Support,
+};
+use powerhouse_model::{Facet, Stress};
+
+use super::loads::{self, direction, mean_normal};
+use super::{Names, named, one_of, vector};
+use crate::acting::SharedLoad;
+use crate::fault::{Fault, Problem};
+use crate::format::{self, At, Finite, GRAVITY, NonNegative, Positive, SceneFile, StageSupport};
+use crate::scene::StagePlaces;
+use crate::stage::{Timeline, surface_of};
+use crate::{BoltPlace, InSituStress, Material, Scene, SceneBolts, SceneStage};
+
+/// Young's modulus of steel (Pa).
+const STEEL: f64 = 200.0e9;
+
+/// Composes stages, bolts and the stress of the ground, and sees that each can be as it is to.
+pub(super) fn stages(
+    names: &Names,
+    file: &SceneFile,
+    materials: &BTreeMap<String, Material>,
+    scene: &mut Scene,
+) -> Result<(), Fault> {
+    scene.places.stages = places(file);
+    if let Some(stress) = &file.in_situ_stress {
+        scene.in_situ_stress = Some(InSituStress::Field(field(stress)?));
+    }
+    for bolts in &file.bolts {
+        scene.bolts.push(self::bolts(names, bolts)?);
+    }
+    for stage in &file.stages {
+        scene.stages.push(self::stage(names, stage, materials)?);
+    }
+    let timeline = Timeline::of(scene).map_err(|error| {
+        let place = scene.places.of(&error).unwrap_or_default();
+        Fault::refused(place, error)
+    })?;
+    let Some(timeline) = timeline else {
+        return Ok(());
+    };
+    for (place, stage) in file.stages.iter().enumerate() {
+        let present = &timeline.moments[place].present;
+        for load in &stage.loads {
+            let facets = |set: &At<String>| -> Result<Vec<Facet>, Fault> {
+                let facets = surface_of(names.mesh, present, names.facets(set)?);
+                if facets.is_empty() {
+                    let found = "facets inside the body, or of what is not there".into();
+                    let expected = "facets on its surface".into();
+                    return Err(Fault::new(set.span(), Problem::Value { found, expected }));
+                }
+                Ok(facets)
+            };
+            let own = &mut scene.stages[place];
+            match loads::load(names, load, &facets)? {
+                loads::Acting::Load(load) => own.loads.push(SharedLoad::new(load)),
+                loads::Acting::Weight(acceleration, history) => {
+                    own.weights.push((acceleration, history.into()));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Where stages stand, and what they name.
+fn places(file: &SceneFile) -> StagePlaces {
+    let mut places = StagePlaces::default();
+    let mut put = |stage: Option<&At<String>>, key, value: &str, place| {
+        let stage = stage.map(|stage| stage.to_string());
+        places.items.insert((stage, key, value.to_owned()), place);
+    };
+    for bolts in &file.bolts {
+        put(None, "bolt", bolts.name.as_str(), bolts.name.span());
+    }
+    let without = [
+        file.in_situ_stress.as_ref().map(At::span),
+        file.bolts.first().map(|bolts| bolts.name.span()),
+    ];
+    if let Some(place) = without.into_iter().flatten().next() {
+        put(None, "stage", "", place);
+    }
+    put(None, "initial", "", file.time.initial.span());
+    for joint in &file.joints {
+        if let Some(preload) = &joint.preload {
+            put(None, "preload", joint.name.as_str(), preload.span());
+        }
+    }
+    for stage in &file.stages {
+        let of_stage = Some(&stage.name);
+        for (key, values) in [
+            ("excavate", &stage.excavate),
+            ("cast", &stage.cast),
+            ("bolts", &stage.bolts),
+            ("joint", &stage.tied),
+            ("joint", &stage.bonded),
+        ] {
+            for value in values {
+                put(of_stage, key, value.as_str(), value.span());
+            }
+        }
+        for part in &stage.parts {
+            put(of_stage, "part", part.set.as_str(), part.set.span());
+        }
+        if let Some(tolerance) = &stage.tolerance {
+            put(of_stage, "options", "tolerance", tolerance.span());
+        }
+        if let Some(increments) = &stage.increments {
+            put(of_stage, "options", "increments", increments.span());
+        }
+        if let Some(release) = &stage.release {
+            put(of_stage, "options", "release", release.span());
+        }
+    }
+    let names = file.stages.iter();
+    places.names = names
+        .map(|stage| (stage.name.to_string(), stage.name.span()))
+        .collect();
+    places
+}
+
+fn field(stress: &At<format::InSituStress>) -> Result<StressField, Fault> {
+    match &**stress {
+        format::InSituStress::Ground {
+            level,
+            density,
+            lateral,
+            lateral_y,
+        } => {
+            let lateral = [*lateral, lateral_y.unwrap_or(*lateral)].map(NonNegative::get);
+            StressField::geostatic(level.get(), density.get() * GRAVITY, lateral)
+                .map_err(|error| Fault::refused(stress.span(), error))
+        }
+        format::InSituStress::Linear {
+            level,
+            stress,
+            gradient,
+        } => Ok(StressField {
+            surface: level.get(),
+            at_surface: stress.map_or(Stress::default(), |stress| Stress(stress.map(Finite::get))),
+            gradient: Stress(gradient.map(Finite::get)),
+        }),
+    }
+}
+
+fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
+    let span = bolts.name.span();
+    let area = match (&bolts.diameter, &bolts.section) {
+        (Some(diameter), None) => 0.25 * core::f64::consts::PI * diameter.get().powi(2),
+        (None, Some(section)) => section.get(),
+        (diameter, section) => {
+            let given = [diameter.is_some(), section.is_some()];
+            return Err(one_of(span, &["diameter", "section"], &given));
+        }
+    };
+    let place = match (&bolts.lines, &bolts.pattern) {
+        (Some(lines), None) => BoltPlace::Lines(
+            (lines.iter())
+                .map(|[head, toe]| BoltLine {
+                    head: vector(head),
+                    toe: vector(toe),
+                })
+                .collect(),
+        ),
+        (None, Some(pattern)) => {
+            names.facets(&pattern.facets)?;
+            BoltPlace::Pattern {
+                facets: pattern.facets.to_string(),
+                pattern: BoltPattern {
+                    along: direction(&pattern.along)?,
+                    spacing: pattern.spacing.map(Positive::get),
+                    length: pattern.length.get(),
+                },
+            }
+        }
+        (lines, pattern) => {
+            let given = [lines.is_some(), pattern.is_some()];
+            return Err(one_of(span, &["lines", "pattern"], &given));
+        }
+    };
+    let or_never = |value: &Option<At<Positive>>| value.as_ref().map_or(f64::INFINITY, |v| v.get());
+    let parameters = BoltParameters {
+        young: bolts.young.as_ref().map_or(STEEL, |young| young.get()),
+        area,
+        yield_force: or_never(&bolts.yield_force),
+        pretension: bolts.pretension.as_ref().map_or(0.0, |force| force.get()),
+        grout: bolts.grout.as_ref().map(|grout| engine::Grout {
+            stiffness: grout.stiffness.get(),
+            strength: grout.strength.map_or(f64::INFINITY, Positive::get),
+            head: end(grout.head),
+            toe: end(grout.toe),
+        }),
+        longest_segment: or_never(&bolts.longest_segment),
+    };
+    parameters.check().map_err(|error| {
+        let keys = [
+            ("pretension", bolts.pretension.as_ref().map(At::span)),
+            ("yield_force", bolts.yield_force.as_ref().map(At::span)),
+            ("young", bolts.young.as_ref().map(At::span)),
+            (
+                "longest_segment",
+                bolts.longest_segment.as_ref().map(At::span),
+            ),
+        ];
+        let place = keys.into_iter().find(|(name, _)| *name == error.name);
+        Fault::refused(place.and_then(|(_, place)| place).unwrap_or(span), error)
+    })?;
+    Ok(SceneBolts {
+        name: bolts.name.to_string(),
+        place,
+        parameters,
+    })
+}
+
+fn end(end: format::BoltEnd) -> engine::BoltEnd {
+    match end {
+        format::BoltEnd::Free => engine::BoltEnd::Free,
+        format::BoltEnd::Anchored => engine::BoltEnd::Anchored,
+    }
+}
+
+/// A stage without its loads, which need to know what is there.
+fn stage(
+    names: &Names,
+    table: &format::Stage,
+    materials: &BTreeMap<String, Material>,
+) -> Result<SceneStage, Fault> {
+    for set in table.excavate.iter().chain(&table.cast) {
+        names.elements(set)?;
+    }
+    let owned = |values: &[At<String>]| values.iter().map(|value| value.to_string()).collect();
+    let mut stage = SceneStage::new(table.name.to_string());
+    stage.excavated = owned(&table.excavate);
+    stage.cast = owned(&table.cast);
+    stage.bolts = owned(&table.bolts);
+    stage.tied = owned(&table.tied);
+    stage.bonded = owned(&table.bonded);
+    for part in &table.parts {
+        let material = named("material", &part.material, materials)?;
+        stage.parts.push((part.set.to_string(), material.clone()));
+    }
+    for support in &table.supports {
+        stage.supports.push(match &**support {
+            StageSupport::Fixed { set } => Support::fixed(names.nodes(set)?),
+            StageSupport::Roller { set, normal } => {
+                let normal = match normal {
+                    Some(normal) => direction(normal)?,
+                    None => mean_normal(names, set)?,
+                };
+                Support::roller(names.nodes(set)?, normal)
+            }
+        });
+    }
+    let mut options = StaticOptions::default().with_method(match table.method {
+        format::StaticMethod::ConjugateGradients => StaticMethod::ConjugateGradients,
+        format::StaticMethod::DynamicRelaxation => StaticMethod::DynamicRelaxation,
+    });
+    if let Some(tolerance) = &table.tolerance {
+        options = options.with_tolerance(tolerance.get());
+    }
+    if let Some(increments) = &table.increments {
+        options = options.with_increments(increments.get());
+    }
+    if let Some(release) = &table.release {
+        options = options.with_release(release.get());
+    }
+    stage.options = options;
+    Ok(stage)
+}

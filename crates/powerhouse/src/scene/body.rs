@@ -1,0 +1,166 @@
+//! What all models of a scene have in common: elements, and what acts on them.
+
+use std::collections::HashSet;
+
+use powerhouse_explicit_core::Precision;
+use powerhouse_explicit_core::{BlockFactory, BlockOptions, ModelBuilder, Prescribed, Rayleigh};
+use powerhouse_model::ElementKind;
+
+use super::Scene;
+use crate::acting::function;
+use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneStage};
+
+/// Elements of one part that one kernel computes with one material.
+pub(crate) struct Piece {
+    /// The part's place among the scene's.
+    pub(crate) part: usize,
+    /// Mesh indices.
+    pub(crate) elements: Vec<u32>,
+    /// The material as it moves.
+    pub(crate) material: Material,
+    kernel: Kernel,
+    damping: Rayleigh,
+    rim: bool,
+}
+
+impl Piece {
+    /// Blocks as they move.
+    pub(crate) fn moving(&self, part: &Part, precision: Precision) -> Box<dyn BlockFactory> {
+        let mut options = BlockOptions::default();
+        options.precision = precision;
+        options.damping = self.damping;
+        self.kernel.blocks(&part.set, &self.material, options)
+    }
+    /// Blocks as they rest: undamped, in double precision, of the part's own material or another.
+    pub(crate) fn resting(&self, part: &Part, other: Option<&Material>) -> Box<dyn BlockFactory> {
+        let own = other.unwrap_or(&part.material);
+        let options = BlockOptions::default();
+        if self.rim {
+            return self.kernel.blocks(&part.set, &own.elastic(), options);
+        }
+        self.kernel.blocks(&part.set, own, options)
+    }
+}
+
+impl Scene {
+    /// The elements of all parts, kind by kind, rims apart; and what is to be said of them.
+    pub(super) fn pieces(&self, rims: &[HashSet<u32>]) -> Result<(Vec<Piece>, Vec<Remark>), Error> {
+        let (mut pieces, mut remarks) = (Vec::new(), Vec::new());
+        for (place, (part, rim)) in self.parts.iter().zip(rims).enumerate() {
+            let doubts = part.material.doubts().iter();
+            remarks.extend(doubts.map(|doubt| Remark::Material {
+                set: part.set.clone(),
+                doubt: doubt.clone(),
+            }));
+            let kinds = self.by_kind(part)?;
+            if let Some(kernel) = part.idle_kernel(kinds.iter().map(|(kind, _)| *kind)) {
+                return Err(Error::IdleKernel {
+                    set: part.set.clone(),
+                    kernel: kernel.name().into(),
+                });
+            }
+            let moving = part.moving_material()?;
+            remarks.extend(self.facts(part, &moving, rim)?);
+            for (kind, elements) in kinds {
+                let kernel = part.kernel_for(kind).ok_or_else(|| Error::NoKernel {
+                    element: self.mesh.element_tags()[elements[0] as usize],
+                    set: part.set.clone(),
+                    kind: kind.name(),
+                })?;
+                let (at_rim, inner): (Vec<u32>, Vec<u32>) =
+                    elements.iter().partition(|element| rim.contains(element));
+                for (elements, material, damping, rim) in [
+                    (inner, moving.clone(), part.damping.rayleigh(), false),
+                    (at_rim, part.material.elastic(), Rayleigh::default(), true),
+                ] {
+                    if !elements.is_empty() {
+                        pieces.push(Piece {
+                            part: place,
+                            elements,
+                            material,
+                            kernel: kernel.clone(),
+                            damping,
+                            rim,
+                        });
+                    }
+                }
+            }
+        }
+        Ok((pieces, remarks))
+    }
+
+    /// Supports, ties, prescribed motions, loads and weights of the scene, and what stages add of
+    /// loads and weights; held at their values at a time (s) if there is one.
+    pub(crate) fn acted_on<'a>(
+        &self,
+        mut builder: ModelBuilder<'a>,
+        stages: &[SceneStage],
+        held_at: Option<f64>,
+    ) -> ModelBuilder<'a> {
+        for support in &self.supports {
+            builder = builder.support(support.clone());
+        }
+        for pairs in &self.periodic {
+            builder = builder.periodic(pairs.clone());
+        }
+        for driven in &self.prescribed {
+            builder = builder.prescribed(Prescribed {
+                nodes: driven.nodes.clone(),
+                direction: driven.direction,
+                displacement: function(&driven.displacement, held_at),
+            });
+        }
+        let loads = stages.iter().flat_map(|stage| &stage.loads);
+        for load in self.loads.iter().chain(loads) {
+            builder = builder.load(load.held(held_at));
+        }
+        let weights = stages.iter().flat_map(|stage| &stage.weights);
+        for (acceleration, history) in self.weights.iter().chain(weights) {
+            builder = builder.gravity(*acceleration, function(history, held_at));
+        }
+        builder
+    }
+
+    /// What damping in series costs a part, and where it is elastic.
+    fn facts(
+        &self,
+        part: &Part,
+        moving: &Material,
+        rim: &HashSet<u32>,
+    ) -> Result<Vec<Remark>, Error> {
+        let mut facts = Vec::new();
+        let set = || part.set.clone();
+        if let Damping::Flat {
+            spectrum,
+            reference,
+        } = &part.damping
+        {
+            facts.push(Remark::FlatDamping {
+                set: set(),
+                cost: DampingCost::of(&part.material, moving, (spectrum, *reference))?,
+            });
+        }
+        if let Some(width) = part.rim {
+            facts.push(Remark::Rim {
+                set: set(),
+                width,
+                elements: rim.len(),
+                of: self.mesh.element_set(&part.set)?.len(),
+            });
+        }
+        Ok(facts)
+    }
+
+    /// The elements of a part, kind by kind.
+    fn by_kind(&self, part: &Part) -> Result<Vec<(ElementKind, Vec<u32>)>, Error> {
+        let mut kinds: Vec<(ElementKind, Vec<u32>)> = Vec::new();
+        for &element in self.mesh.element_set(&part.set)? {
+            let kind = self.mesh.kind(element);
+            match kinds.iter_mut().find(|(known, _)| *known == kind) {
+                Some((_, elements)) => elements.push(element),
+                None => kinds.push((kind, vec![element])),
+            }
+        }
+        Ok(kinds)
+    }
+}

@@ -1,0 +1,184 @@
+//! Faults of stages, bolts and the in-situ stress.
+
+use powerhouse::Error;
+
+use crate::{SOUND, fault_of, read};
+
+/// A sound scene with an in-situ stress, bolts and stages.
+fn staged() -> String {
+    SOUND.replace("[time]", STAGES) + "\n"
+}
+
+const STAGES: &str = r#"[in_situ_stress]
+kind = "ground"
+level = 0
+density = 2750
+lateral = 0.6
+
+[[bolt]]
+name = "roof"
+diameter = 0.025
+lines = [[[0, 0, -60], [0, 0, -55]]]
+
+[[stage]]
+name = "ground"
+
+[[stage.part]]
+set = "rock"
+material = "rock"
+
+[[stage.support]]
+kind = "roller"
+set = "bottom"
+
+[[stage]]
+name = "lining"
+cast = ["lining"]
+bolts = ["roof"]
+
+[[stage.load]]
+kind = "pressure"
+set = "intrados"
+pressure = 1e5
+
+[time]"#;
+
+/// What is wrong with stages, bolts or the in-situ stress is told where it stands, when the scene is
+/// read.
+#[test]
+fn faults_of_stages_have_their_place() {
+    let sound = staged();
+    let scene = read(&sound).unwrap();
+    assert_eq!(scene.stages().len(), 2);
+    assert_eq!(
+        scene.stage_overviews().unwrap()[1].bolts,
+        [("roof".into(), 1)]
+    );
+    for (old, new, message) in [
+        ("level = 0", "§lvel = 0", "unknown key 'lvel'"),
+        (
+            "kind = \"ground\"",
+            "kind = §\"grund\"",
+            "'grund' is not permitted here",
+        ),
+        ("lateral = 0.6", "lateral = §-0.6", "a number of 0 or above"),
+        ("diameter = 0.025", "diameter = §0", "a number above 0"),
+        (
+            "name = \"roof\"\ndiameter",
+            "name = §\"roof\"\nsection = 1e-4\ndiameter",
+            "exactly one of diameter, section",
+        ),
+        (
+            "name = \"roof\"\ndiameter = 0.025\nlines",
+            "name = §\"roof\"\ndiameter = 0.025\npattern = { facets = \"top\", along = [1, 0, 0], spacing = [1, 1], length = 3 }\nlines",
+            "exactly one of lines, pattern",
+        ),
+        (
+            "diameter = 0.025\n",
+            "diameter = 0.025\ngrout = { stiffness = 1e9 }\npretension = §1e5\n",
+            "pretension = 100000",
+        ),
+        (
+            "name = \"roof\"\ndiameter = 0.025\nlines = [[[0, 0, -60], [0, 0, -55]]]",
+            "name = §\"roof\"\ndiameter = 0.025\nlines = [[[0, 0, -60], [0, 0, 5]]]",
+            "bolts 'roof'",
+        ),
+        (
+            "lines = [[[0, 0, -60], [0, 0, -55]]]",
+            "pattern = { facets = §\"roof\", along = [0, 1, 0], spacing = [1, 1], length = 3 }",
+            "there is no facet set 'roof'",
+        ),
+        (
+            "cast = [\"lining\"]",
+            "cast = [§\"linning\"]",
+            "there is no element set 'linning'",
+        ),
+        (
+            "[[stage.load]]",
+            "[[stage]]\nname = \"again\"\ncast = [§\"lining\"]\n[[stage.load]]",
+            "is to be cast, but is there already",
+        ),
+        (
+            "[[stage.load]]",
+            "[[stage]]\nname = \"out\"\nexcavate = [§\"rock\"]\n[[stage.load]]",
+            "the bolts 'roof' cross it",
+        ),
+        (
+            "bolts = [\"roof\"]",
+            "bolts = [§\"rof\"]",
+            "there are no bolts 'rof'",
+        ),
+        (
+            "bolts = [\"roof\"]",
+            "bolts = [\"roof\", §\"roof\"]",
+            "installed already",
+        ),
+        (
+            "bolts = [\"roof\"]",
+            "bolts = [\"roof\"]\ntied = [§\"seam\"]",
+            "there is no joint 'seam'",
+        ),
+        (
+            "bolts = [\"roof\"]",
+            "bolts = [\"roof\"]\nbonded = [§\"seam\"]",
+            "there is no joint 'seam'",
+        ),
+        (
+            "name = \"lining\"",
+            "name = §\"ground\"",
+            "another stage of this name",
+        ),
+        ("cast =", "release = §1.5\ncast =", "above 0 and at most 1"),
+        ("cast =", "increments = §0\ncast =", "a whole number"),
+        ("cast =", "tolerance = §2\ncast =", "tolerance = 2"),
+        (
+            "set = \"rock\"\nmaterial = \"rock\"\n\n[[stage.support",
+            "set = §\"left\"\nmaterial = \"rock\"\n\n[[stage.support",
+            "there is no part 'left'",
+        ),
+        (
+            "set = \"rock\"\nmaterial = \"rock\"\n\n[[stage.support",
+            "set = \"rock\"\nmaterial = §\"rok\"\n\n[[stage.support",
+            "there is no material 'rok'",
+        ),
+        (
+            "kind = \"roller\"",
+            "kind = §\"periodic\"",
+            "'periodic' is not permitted here",
+        ),
+        ("set = \"bottom\"", "set = §\"botom\"", "'botom'"),
+        (
+            "set = \"intrados\"",
+            "set = §\"intrado\"",
+            "there is no facet set 'intrado'",
+        ),
+        (
+            "duration = 20",
+            "duration = 20\ninitial = §\"field\"",
+            "starts at rest",
+        ),
+    ] {
+        let fault = fault_of(&sound, old, new);
+        assert!(fault.to_string().contains(message), "{new}: {fault}");
+    }
+    let idle = sound.replace("bolts = [\"roof\"]\n", "");
+    let fault = fault_of(&idle, "name = \"roof\"", "name = §\"roof\"");
+    assert!(fault.to_string().contains("no stage installs"), "{fault}");
+    // Without a stage there is nothing to bring the ground to rest.
+    let from = sound.find("[[stage]]").unwrap();
+    let until = sound.find("[time]").unwrap();
+    let none = [&sound[..from], &sound[until..]].concat();
+    let Err(Error::Scene(fault)) = read(&none) else {
+        panic!("an in-situ stress without a stage was accepted")
+    };
+    assert!(fault.to_string().contains("need a stage"), "{fault}");
+    let line = none[..none.find("[in_situ_stress]").unwrap()]
+        .matches('\n')
+        .count()
+        + 1;
+    assert_eq!(fault.position().0, line, "{fault}");
+    // A preload would count what the stages find a second time.
+    let joint = "[[joint]]\nname = \"contact\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"tied\"\npreload = §{ kind = \"pressure\", pressure = 1e5 }\n[[bolt]]";
+    let fault = fault_of(&sound, "[[bolt]]", joint);
+    assert!(fault.to_string().contains("count twice"), "{fault}");
+}
