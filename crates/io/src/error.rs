@@ -52,6 +52,16 @@ pub enum IoError {
         /// Values wanted.
         expected: usize,
     },
+    /// A facet of a picture with fewer than three corners, or one that is not there.
+    #[error("{}: facet {facet} needs three corners or more among the {corners} given", file.display())]
+    Facet {
+        /// The file.
+        file: PathBuf,
+        /// Its place, from 0.
+        facet: usize,
+        /// Corners given.
+        corners: usize,
+    },
     /// A name that the format cannot hold.
     #[error("{}: the name {name:?} cannot be written", file.display())]
     Name {

@@ -56,7 +56,8 @@ pub use atomic::write_whole;
 pub use error::IoError;
 pub use gmsh::{GmshError, GmshMesh, parse_gmsh, read_gmsh, write_gmsh};
 pub use picture::{
-    ColourMap, Deformation, Picture, PictureField, PictureView, SectionPlane, write_picture,
+    ColourMap, Deformation, FacetField, Picture, PictureField, PictureView, SectionPlane,
+    write_picture,
 };
 pub use plot::{Plot, PlotCurve, PlotPanel, write_plot};
 pub use records::{

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use powerhouse_io::{
-    ColourMap, Deformation, IoError, Picture, PictureField, PictureView, Plot, SectionPlane,
-    TableColumn, write_picture, write_plot,
+    ColourMap, Deformation, FacetField, IoError, Picture, PictureField, PictureView, Plot,
+    SectionPlane, TableColumn, write_picture, write_plot,
 };
 use powerhouse_model::{ElementKind, Mesh, Vec3};
 
@@ -39,6 +39,37 @@ fn middle(picture: &Picture, name: &str) -> [u8; 3] {
     );
     // The body stands left of the scale of colours.
     pixels[height * 11 / 20 * width + (width - 130) * 11 / 20]
+}
+
+/// The pixels of a picture.
+fn pixels(picture: &Picture, name: &str) -> (usize, Vec<[u8; 3]>) {
+    let folder = folder(name);
+    let file = folder.join("one.png");
+    write_picture(&file, picture).unwrap();
+    let (width, _, pixels) = decoded(&file);
+    std::fs::remove_dir_all(folder).unwrap();
+    (width, pixels)
+}
+
+/// The colours of what is drawn along a line through its middle, without those of its rims.
+fn colours(picture: &Picture, name: &str) -> Vec<[u8; 3]> {
+    let (width, pixels) = pixels(picture, name);
+    let row = &pixels[picture.height as usize * 11 / 20 * width..][..width - 130];
+    let drawn: Vec<[u8; 3]> = row.iter().copied().filter(|p| *p != [255; 3]).collect();
+    // Where two facets meet the finer pixels of both are averaged.
+    let mean = |k: &usize| drawn[*k - 1] != drawn[*k] && drawn[*k] != drawn[*k + 1];
+    let inner = (2..drawn.len() - 2).filter(|k| !mean(k));
+    inner.map(|k| drawn[k]).collect()
+}
+
+/// The colours beside the names of a picture, from the top.
+fn beside(picture: &Picture, name: &str) -> Vec<[u8; 3]> {
+    let (width, pixels) = pixels(picture, name);
+    let rows = pixels.chunks(width).map(|row| row[width - 130 + 8 + 2]);
+    let plain = |colour: &[u8; 3]| *colour != [255; 3] && *colour != [40; 3];
+    let mut colours: Vec<[u8; 3]> = rows.filter(plain).collect();
+    colours.dedup();
+    colours
 }
 
 fn from_front<'a>(mesh: &'a Mesh, field: PictureField<'a>) -> Picture<'a> {
@@ -133,6 +164,94 @@ fn a_displacement_moves_the_body() {
         factor: 5.0,
     }));
     assert!((moved / filled(None) - 1.5).abs() < 0.05, "{moved}");
+}
+
+/// Two squares side by side in the plane y = 1, the left one with 0 at its corners, the right one
+/// with 2.
+fn squares() -> FacetField {
+    let corner = |x: f64, z: f64| Vec3::new(x, 1.0, z);
+    let square = |x: f64| {
+        let ends = [(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 2.0), (x, 2.0)];
+        ends.map(|(x, z)| corner(x, z))
+    };
+    FacetField {
+        positions: [square(0.0), square(1.0)].concat(),
+        facets: vec![vec![0, 1, 2, 3], vec![4, 5, 6, 7]],
+        values: [[0.0; 4], [2.0; 4]].concat(),
+    }
+}
+
+/// Facets of their own are drawn in place of the body, with the numbers of their own corners; a
+/// section leaves out those before it, and wrong ones are refused.
+#[test]
+fn facets_are_drawn_in_place_of_the_body() {
+    let mesh = cube();
+    let field = squares();
+    let mut picture = from_front(&mesh, PictureField::Facets(&field));
+    picture.range = Some([0.0, 2.0]);
+    let seen = colours(&picture, "facets");
+    // Dark at the left, light at the right, and nothing of the body.
+    let [first, last] = [seen[0], seen[seen.len() - 1]];
+    assert!(first[0] < 45 && last[0] > 225, "{first:?} {last:?}");
+    assert!(seen.iter().all(|c| *c == first || *c == last), "{seen:?}");
+    picture.section = Some(SectionPlane {
+        point: Vec3::new(1.0, 0.0, 0.0),
+        normal: Vec3::x(),
+    });
+    let left = colours(&picture, "facets-cut");
+    assert!(left.iter().all(|c| *c == first), "{left:?}");
+
+    let wrong = FacetField {
+        facets: vec![vec![0, 1, 8]],
+        ..squares()
+    };
+    let picture = from_front(&mesh, PictureField::Facets(&wrong));
+    let error = write_picture("never.png".as_ref(), &picture).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            IoError::Facet {
+                facet: 0,
+                corners: 8,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    let short = FacetField {
+        values: vec![0.0; 7],
+        ..squares()
+    };
+    let picture = from_front(&mesh, PictureField::Facets(&short));
+    let error = write_picture("never.png".as_ref(), &picture).unwrap_err();
+    assert!(matches!(error, IoError::Length { .. }), "{error}");
+}
+
+/// Numbers with names have one colour each, without others between them, and stand beside their
+/// names in place of a scale.
+#[test]
+fn kinds_have_a_colour_each() {
+    let mesh = cube();
+    let mut field = squares();
+    // From one kind to another within the right square.
+    field.values = vec![0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 2.0, 0.0];
+    let mut picture = from_front(&mesh, PictureField::Facets(&field));
+    let smooth = colours(&picture, "kinds-smooth");
+    assert!(smooth.len() > 20);
+    picture.names = &["sticks", "slides", "open"];
+    let mut kinds = colours(&picture, "kinds");
+    kinds.dedup();
+    assert_eq!(kinds.len(), 3, "{kinds:?}");
+    // The colours beside the names are those on the facets.
+    let legend = beside(&picture, "kinds-legend");
+    let shaded = |colour: &[u8; 3], legend: &[u8; 3]| {
+        let share = |i: usize| f64::from(colour[i]) / f64::from(legend[i]);
+        (share(0) - share(1)).abs() < 0.02 && (share(0) - share(2)).abs() < 0.02
+    };
+    assert_eq!(legend.len(), 3, "{legend:?}");
+    for (colour, legend) in kinds.iter().zip(&legend) {
+        assert!(shaded(colour, legend), "{kinds:?} {legend:?}");
+    }
 }
 
 /// Bars are drawn too.

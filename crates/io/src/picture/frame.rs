@@ -5,7 +5,7 @@ use powerhouse_model::Vec3;
 use super::colour::{ColourMap, Rgb, darkened, set_colour};
 use super::font::{HEIGHT, text_width, write};
 use super::raster::{Point, Raster};
-use super::surface::{Surface, colours_of_sets};
+use super::surface::{Patch, Surface, colours_of_sets};
 use super::{Picture, PictureField};
 use crate::scale::Scale;
 
@@ -52,8 +52,15 @@ pub(super) fn draw(picture: &Picture) -> Option<Frame> {
     let size = font_size(picture);
     write(&mut frame, [MARGIN, MARGIN / 2], &picture.title, size, INK);
     match range {
+        Some(_) if !picture.names.is_empty() => {
+            draw_label(&mut frame, &picture.label, size);
+            draw_names(&mut frame, picture.names.iter().copied(), size);
+        }
         Some(range) => draw_scale(&mut frame, picture, range),
-        None => draw_sets(&mut frame, picture),
+        None => {
+            let sets = picture.mesh.element_sets().keys();
+            draw_names(&mut frame, sets.map(String::as_str), size);
+        }
     }
     Some(frame)
 }
@@ -156,12 +163,18 @@ impl<'a> Painter<'a> {
             PictureField::Sets => 0.0,
             PictureField::Nodal(values) => values[node as usize],
             PictureField::Elemental(values) => values[element as usize],
+            PictureField::Facets(field) => field.values[node as usize],
         }
     }
 
     fn colour(&self, element: u32, value: f64) -> Rgb {
         if self.picture.field == PictureField::Sets {
             return self.colours_of_sets[element as usize];
+        }
+        if !self.picture.names.is_empty() {
+            // Between two corners of different kinds each has the half that is nearer.
+            let last = self.picture.names.len() - 1;
+            return set_colour(Some((value.round().max(0.0) as usize).min(last)));
         }
         let [low, high] = self.range;
         // Halves, so that the difference of two huge numbers stays finite.
@@ -175,15 +188,13 @@ impl<'a> Painter<'a> {
     }
 
     fn draw_facets(&self, raster: &mut Raster) {
-        let mesh = self.picture.mesh;
         let [right, up, away] = self.axes;
         let light = (0.45 * up - 0.3 * right - away).normalize();
         let corners = |element: u32, nodes: &[u32]| -> Vec<Point> {
             let point = |&node: &u32| self.point(node, self.value(element, node));
             nodes.iter().map(point).collect()
         };
-        for &facet in &self.surface.facets {
-            let nodes = mesh.facet_nodes(facet);
+        for Patch { element, nodes } in &self.surface.patches {
             let position = |i: usize| self.surface.positions[nodes[i] as usize];
             let last = nodes.len() - 1;
             let normal = (position(2) - position(0)).cross(&(position(last) - position(1)));
@@ -191,18 +202,18 @@ impl<'a> Painter<'a> {
                 .try_normalize(0.0)
                 .map_or(0.0, |n| n.dot(&light).abs());
             let factor = SHADE + (1.0 - SHADE) * shine;
-            let corners = corners(facet.element, &nodes);
+            let corners = corners(*element, nodes);
             for i in 1..last {
                 raster.triangle([corners[0], corners[i], corners[i + 1]], |value| {
-                    darkened(self.colour(facet.element, value), factor)
+                    darkened(self.colour(*element, value), factor)
                 });
             }
         }
         if !self.picture.edges {
             return;
         }
-        for &facet in &self.surface.facets {
-            let corners = corners(facet.element, &mesh.facet_nodes(facet));
+        for Patch { element, nodes } in &self.surface.patches {
+            let corners = corners(*element, nodes);
             for i in 0..corners.len() {
                 let mut ends = [corners[i], corners[(i + 1) % corners.len()]];
                 ends.iter_mut().for_each(|end| end.depth -= self.lift);
@@ -244,9 +255,7 @@ fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
     if scale.exponent != 0 {
         label.push_str(&format!(" x10^{}", scale.exponent));
     }
-    let wide = text_width(&label, size);
-    let start = frame.width.saturating_sub(wide + MARGIN / 2);
-    write(frame, [start, MARGIN + line / 2], &label, size, INK);
+    draw_label(frame, &label, size);
     // With equal ends the axis is wider than the colours; all of it has the one in the middle.
     let flat = low == high;
     for row in top..=bottom {
@@ -269,12 +278,18 @@ fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
     }
 }
 
-/// The names of the element sets with their colours, at the right.
-fn draw_sets(frame: &mut Frame, picture: &Picture) {
-    let size = font_size(picture);
+/// What the colours stand for, at the top on the right.
+fn draw_label(frame: &mut Frame, label: &str, size: usize) {
+    let start = (frame.width).saturating_sub(text_width(label, size) + MARGIN / 2);
+    let top = MARGIN + HEIGHT * size / 2;
+    write(frame, [start, top], label, size, INK);
+}
+
+/// Names with their colours, at the right.
+fn draw_names<'a>(frame: &mut Frame, names: impl Iterator<Item = &'a str>, size: usize) {
     let line = HEIGHT * size;
     let left = frame.width.saturating_sub(SIDE - 8);
-    for (number, name) in picture.mesh.element_sets().keys().enumerate() {
+    for (number, name) in names.enumerate() {
         let row = MARGIN + 3 * line + number * 2 * line;
         frame.fill([left, row], [line, line], set_colour(Some(number)));
         write(frame, [left + line + 6, row], name, size, INK);

@@ -33,10 +33,23 @@ pub enum PictureField<'a> {
     Nodal(&'a [f64]),
     /// One number per element.
     Elemental(&'a [f64]),
+    /// Facets of their own in place of the body, such as those of a joint inside it.
+    Facets(&'a FacetField),
 }
 
-/// A plane that cuts the body open: elements whose centroid lies on the side that the normal points
-/// to are left out.
+/// Facets with a number at each corner, interpolated between corners.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FacetField {
+    /// Where the corners stand (m).
+    pub positions: Vec<Vec3>,
+    /// The corners of each facet round about, as indices into `positions`.
+    pub facets: Vec<Vec<u32>>,
+    /// One number per corner.
+    pub values: Vec<f64>,
+}
+
+/// A plane that cuts the body open: elements or facets whose centroid lies on the side that the
+/// normal points to are left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionPlane {
     /// A point of the plane (m).
@@ -68,13 +81,16 @@ pub struct Picture<'a> {
     /// The numbers at the ends of the colours; none for those of what is in sight, made symmetric
     /// about zero for [`ColourMap::BlueRed`]. Numbers outside are drawn as the ends.
     pub range: Option<[f64; 2]>,
+    /// Names of the numbers 0, 1, 2 ... of a field of kinds: they stand beside a colour for each,
+    /// in place of a scale. None by default.
+    pub names: &'a [&'a str],
     /// The colours.
     pub colours: ColourMap,
     /// Where the picture is taken from.
     pub view: PictureView,
     /// A plane that cuts the body open.
     pub section: Option<SectionPlane>,
-    /// Displacements that move the nodes.
+    /// Displacements that move the nodes of the body.
     pub deformation: Option<Deformation<'a>>,
     /// Whether the edges of elements are drawn.
     pub edges: bool,
@@ -93,6 +109,7 @@ impl<'a> Picture<'a> {
             title: String::new(),
             label: label.into(),
             range: None,
+            names: &[],
             colours: ColourMap::default(),
             view: PictureView::aslant(),
             section: None,
@@ -163,10 +180,30 @@ impl<'a> Picture<'a> {
             PictureField::Sets => (&[][..], 0),
             PictureField::Nodal(values) => (values, self.mesh.node_count()),
             PictureField::Elemental(values) => (values, self.mesh.element_count()),
+            PictureField::Facets(field) => (&field.values[..], field.positions.len()),
         };
         length(&self.label, values.len(), expected)?;
         for (place, &value) in values.iter().enumerate() {
             finite(&self.label, place, value)?;
+        }
+        if let PictureField::Facets(FacetField {
+            positions, facets, ..
+        }) = self.field
+        {
+            for (place, position) in positions.iter().enumerate() {
+                finite("a corner", place, position.sum())?;
+            }
+            for (facet, nodes) in facets.iter().enumerate() {
+                let known = nodes.iter().all(|&node| (node as usize) < positions.len());
+                if nodes.len() < 3 || !known {
+                    let (file, corners) = (file.into(), positions.len());
+                    return Err(IoError::Facet {
+                        file,
+                        facet,
+                        corners,
+                    });
+                }
+            }
         }
         if let Some(Deformation {
             displacement,

@@ -3,11 +3,19 @@
 use powerhouse_model::{Facet, Mesh, Vec3};
 
 use super::colour::{Rgb, set_colour};
-use super::{Picture, PictureField};
+use super::{FacetField, Picture, PictureField};
+
+/// A facet that is drawn.
+pub(super) struct Patch {
+    /// The element that it is a side of.
+    pub(super) element: u32,
+    /// Its corners, round about.
+    pub(super) nodes: Vec<u32>,
+}
 
 /// The surface that is drawn.
 pub(super) struct Surface {
-    pub(super) facets: Vec<Facet>,
+    pub(super) patches: Vec<Patch>,
     /// Elements without sides: bars.
     pub(super) bars: Vec<u32>,
     /// Positions of all nodes (m), moved if they are to be.
@@ -17,11 +25,27 @@ pub(super) struct Surface {
 impl Surface {
     pub(super) fn new(picture: &Picture) -> Self {
         let mesh = picture.mesh;
-        let in_sight = |element: u32| {
-            picture.section.as_ref().is_none_or(|section| {
-                (mesh.centroid(element) - section.point).dot(&section.normal) <= 0.0
-            })
+        let before = |position: Vec3| {
+            (picture.section.as_ref())
+                .is_none_or(|section| (position - section.point).dot(&section.normal) <= 0.0)
         };
+        if let PictureField::Facets(field) = picture.field {
+            let centre = |nodes: &[u32]| -> Vec3 {
+                let corners = nodes.iter().map(|&node| field.positions[node as usize]);
+                corners.sum::<Vec3>() / nodes.len() as f64
+            };
+            let in_sight = field.facets.iter().filter(|nodes| before(centre(nodes)));
+            let patch = |nodes: &Vec<u32>| Patch {
+                element: 0,
+                nodes: nodes.clone(),
+            };
+            return Self {
+                patches: in_sight.map(patch).collect(),
+                bars: Vec::new(),
+                positions: field.positions.clone(),
+            };
+        }
+        let in_sight = |element: u32| before(mesh.centroid(element));
         let elements = 0..mesh.element_count() as u32;
         let bars = elements.filter(|&e| mesh.kind(e).sides().is_empty() && in_sight(e));
         let mut positions = mesh.positions().to_vec();
@@ -30,25 +54,27 @@ impl Surface {
                 *position += displacement * deformation.factor;
             }
         }
+        let facets = mesh.boundary_facets_of(in_sight);
+        let patch = |&facet: &Facet| Patch {
+            element: facet.element,
+            nodes: mesh.facet_nodes(facet).to_vec(),
+        };
         Self {
-            facets: mesh.boundary_facets_of(in_sight),
+            patches: facets.iter().map(patch).collect(),
             bars: bars.collect(),
             positions,
         }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.facets.is_empty() && self.bars.is_empty()
+        self.patches.is_empty() && self.bars.is_empty()
     }
 
     /// The nodes in sight, some of them several times.
     pub(super) fn nodes<'a>(&'a self, mesh: &'a Mesh) -> impl Iterator<Item = u32> + 'a {
-        let of_facets = self
-            .facets
-            .iter()
-            .flat_map(|&facet| mesh.facet_nodes(facet));
+        let of_patches = self.patches.iter().flat_map(|patch| &patch.nodes);
         let of_bars = self.bars.iter().flat_map(|&bar| mesh.nodes_of(bar));
-        of_facets.chain(of_bars.copied())
+        of_patches.chain(of_bars).copied()
     }
 
     /// Least and greatest number of the field in sight; none for a picture of sets.
@@ -63,9 +89,12 @@ impl Surface {
             PictureField::Nodal(values) => Some(spread(
                 &mut self.nodes(picture.mesh).map(|node| values[node as usize]),
             )),
+            PictureField::Facets(FacetField { values, .. }) => Some(spread(
+                &mut self.nodes(picture.mesh).map(|node| values[node as usize]),
+            )),
             PictureField::Elemental(values) => {
-                let facets = self.facets.iter().map(|facet| facet.element);
-                let elements = facets.chain(self.bars.iter().copied());
+                let patches = self.patches.iter().map(|patch| patch.element);
+                let elements = patches.chain(self.bars.iter().copied());
                 Some(spread(&mut elements.map(|e| values[e as usize])))
             }
         }
