@@ -49,9 +49,8 @@ fn permitted(package: &str) -> Vec<&'static str> {
 fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
     match package {
         "powerhouse-model" => Some(&["nalgebra", "thiserror", "serde"]),
-        "powerhouse-boundary" | "powerhouse-contact" | "powerhouse-material-damage" => {
-            Some(&["nalgebra", "thiserror"])
-        }
+        "powerhouse-boundary" | "powerhouse-material-damage" => Some(&["nalgebra", "thiserror"]),
+        "powerhouse-contact" => Some(&["nalgebra", "thiserror", "pulp"]),
         "powerhouse-wavefield" => Some(&["nalgebra", "thiserror", "realfft"]),
         "powerhouse-explicit-core" => Some(&["nalgebra", "thiserror", "rayon", "pulp", "faer"]),
         _ => None,

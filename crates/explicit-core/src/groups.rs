@@ -6,6 +6,7 @@ use powerhouse_model::{MassDampingRule, Mat3, Vec3};
 
 use rayon::prelude::*;
 
+use crate::constrained::{ConstrainedMotion, ConstrainedNodes, TILE};
 use crate::gather::{CHUNK, SlotTable};
 use crate::nodes::{NodalArrays, Storage};
 use crate::support::Condition;
@@ -39,23 +40,47 @@ pub(crate) struct Coefficients {
 }
 
 impl Group {
-    /// Effective mass `A` and the factor of the old velocity (kg).
-    pub(crate) fn effective(&self, rule: MassDampingRule, step: f64) -> (Mat3, Mat3) {
-        let spring = self.spring * (0.25 * step * step);
-        let half = self.dashpot * (0.5 * step);
-        let mass = Mat3::identity() * self.mass;
-        let damping = Mat3::identity() * (self.mass_damping * step);
+    /// The impulse (N s) that takes a node from one velocity (m/s) to another against all but its
+    /// forces, `A v+ - (M - dt/2 C + dt^2/4 K) v-`.
+    pub(crate) fn impulse(
+        &self,
+        (rule, step): (MassDampingRule, f64),
+        before: &Vec3,
+        after: &Vec3,
+    ) -> Vec3 {
+        let (mass, old) = self.effective_mass(rule, step);
+        let spring = self.spring * (after - before) * (0.25 * step * step);
+        let dashpot = self.dashpot * (after + before) * (0.5 * step);
+        after * mass - before * old + dashpot + spring
+    }
+
+    /// The impulse (N s) that changes a predicted velocity by so much (m/s), `A` times it.
+    pub(crate) fn correction(&self, (rule, step): (MassDampingRule, f64), change: &Vec3) -> Vec3 {
+        self.impulse((rule, step), &Vec3::zeros(), change)
+    }
+
+    /// What mass and mass damping make of `A`, and of the factor of the old velocity (kg).
+    pub(crate) fn effective_mass(&self, rule: MassDampingRule, step: f64) -> (f64, f64) {
+        let damping = self.mass_damping * step;
         match rule {
-            MassDampingRule::Implicit => (
-                mass + half + damping * 0.5 + spring,
-                mass - half - damping * 0.5 + spring,
-            ),
-            MassDampingRule::Lagged => (mass + half + spring, mass - half - damping + spring),
+            MassDampingRule::Implicit => (self.mass + 0.5 * damping, self.mass - 0.5 * damping),
+            MassDampingRule::Lagged => (self.mass, self.mass - damping),
         }
     }
 
+    /// Whether it is one node with nothing but a mass, and with one.
+    pub(crate) fn is_bare(&self) -> bool {
+        let free = self.condition.directions().is_empty();
+        let alone = self.members.len() == 1 && self.mass > 0.0;
+        alone && free && self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros()
+    }
+
     fn coefficients(&self, rule: MassDampingRule, step: f64) -> Coefficients {
-        let (effective, old) = self.effective(rule, step);
+        let (mass, old) = self.effective_mass(rule, step);
+        let spring = self.spring * (0.25 * step * step);
+        let half = self.dashpot * (0.5 * step);
+        let effective = Mat3::identity() * mass + half + spring;
+        let old = Mat3::identity() * old - half + spring;
         // Symmetric positive definite: mass is positive, damping and spring are not negative.
         let inverse = effective.try_inverse().unwrap_or_else(Mat3::zeros);
         let (inverse, lift) = self.condition.project(&inverse);
@@ -74,6 +99,11 @@ pub(crate) struct GroupMotion {
     members: Vec<(u32, u32)>,
     /// Members in each chunk of nodes.
     chunks: Vec<Range<u32>>,
+    /// Displacement (m) of the nodes of constraints, by group.
+    displacement: Vec<Vec3>,
+    /// The length (s) of the last step, if nodes have moved by it and by nothing else since: their
+    /// velocity is then `next`, and `displacement` with it that of the present.
+    moved: Option<f64>,
     /// Velocity before the step (m/s), by group.
     pub(crate) previous: Vec<Vec3>,
     /// Velocity after the step (m/s), by group.
@@ -81,7 +111,7 @@ pub(crate) struct GroupMotion {
 }
 
 impl GroupMotion {
-    fn new(groups: &[Group], node_count: usize) -> Self {
+    fn new(groups: &[Group], constrained: usize, node_count: usize) -> Self {
         let mut members: Vec<(u32, u32)> = groups
             .iter()
             .enumerate()
@@ -95,6 +125,8 @@ impl GroupMotion {
         Self {
             chunks,
             members,
+            displacement: vec![Vec3::zeros(); constrained],
+            moved: None,
             previous: vec![Vec3::zeros(); groups.len()],
             next: vec![Vec3::zeros(); groups.len()],
         }
@@ -105,6 +137,25 @@ impl GroupMotion {
     pub(crate) fn members_in(&self, chunk: usize) -> &[(u32, u32)] {
         let range = &self.chunks[chunk];
         &self.members[range.start as usize..range.end as usize]
+    }
+
+    /// Takes note that all nodes have moved by a step (s) with the velocity after it, exactly.
+    pub(crate) fn has_moved(&mut self, step: f64) {
+        self.moved = Some(step);
+    }
+
+    /// Takes note that nodes have been moved otherwise.
+    pub(crate) fn forget(&mut self) {
+        self.moved = None;
+    }
+
+    /// The motion of the groups of a constraint.
+    pub(crate) fn of(&mut self, groups: Range<usize>) -> ConstrainedMotion<'_> {
+        ConstrainedMotion {
+            displacement: &mut self.displacement[groups.clone()],
+            previous: &mut self.previous[groups.clone()],
+            next: &mut self.next[groups],
+        }
     }
 }
 
@@ -141,6 +192,8 @@ pub(crate) struct Groups {
     pub(crate) motion: GroupMotion,
     pub(crate) coefficients: Vec<Coefficients>,
     light: Vec<Light>,
+    /// The nodes of constraints; their groups come first.
+    constrained: ConstrainedNodes,
     /// Displacement (m) from which the springs are measured.
     pub(crate) origin: Vec<Vec3>,
     /// Groups with a prescribed motion.
@@ -148,9 +201,11 @@ pub(crate) struct Groups {
 }
 
 impl Groups {
-    pub(crate) fn new(groups: Vec<Group>, node_count: usize) -> Self {
+    /// Groups of a body; the first ones are those of the nodes of constraints, in the same order.
+    pub(crate) fn new(groups: Vec<Group>, constrained: &[u32], slots: &SlotTable) -> Self {
         Self {
-            motion: GroupMotion::new(&groups, node_count),
+            motion: GroupMotion::new(&groups, constrained.len(), slots.node_count()),
+            constrained: ConstrainedNodes::new(constrained, &groups, slots),
             coefficients: Vec::new(),
             light: Vec::new(),
             origin: vec![Vec3::zeros(); groups.len()],
@@ -171,6 +226,13 @@ impl Groups {
         self.light = (self.groups.iter().zip(&self.coefficients))
             .map(|(group, matrices)| Light::new(group, matrices, step))
             .collect();
+        self.constrained.prepare(&self.groups, rule, step);
+    }
+
+    /// The effective mass (kg) of the group of a constraint's node that has nothing but a mass.
+    #[inline]
+    pub(crate) fn bare_mass(&self, group: usize) -> Option<f64> {
+        self.constrained.bare_mass(group)
     }
 
     /// Predicts the velocity of every group from the forces on it.
@@ -186,35 +248,57 @@ impl Groups {
             motion,
             coefficients,
             light,
+            constrained,
             origin,
             ..
         } = self;
-        motion
-            .next
+        // Velocity before and after the step.
+        let kicked = |g: usize| -> [Vec3; 2] {
+            let light = &light[g];
+            let lead = light.lead as usize;
+            let mut force = applied(g) - arrays.internal(slots, lead);
+            let stretch = arrays.displacement[lead].to_vector() - origin[g];
+            let previous = arrays.velocity[lead].to_vector();
+            if light.diagonal {
+                force -= light.spring.component_mul(&stretch);
+                let carried = light.carry.component_mul(&previous);
+                return [previous, carried + light.response.component_mul(&force)];
+            }
+            let (group, matrices) = (&groups[g], &coefficients[g]);
+            for &node in &group.members[1..] {
+                force -= arrays.internal(slots, node as usize);
+            }
+            force -= group.spring * stretch;
+            let next = matrices.carry * previous + matrices.inverse * (force * step);
+            [previous, next]
+        };
+        let moved = motion.moved.take();
+        if moved.is_some() {
+            core::mem::swap(&mut motion.previous, &mut motion.next);
+        }
+        let count = constrained.count();
+        let (own_previous, other_previous) = motion.previous.split_at_mut(count);
+        let (own_next, other_next) = motion.next.split_at_mut(count);
+        own_next
+            .par_chunks_mut(TILE)
+            .zip(own_previous.par_chunks_mut(TILE))
+            .zip(motion.displacement.par_chunks_mut(TILE))
+            .enumerate()
+            .with_min_len(4)
+            .for_each(|(tile, ((next, previous), displacement))| {
+                let own = ConstrainedMotion {
+                    displacement,
+                    previous,
+                    next,
+                };
+                constrained.kick((tile, moved), own, arrays, &applied, kicked);
+            });
+        other_next
             .par_iter_mut()
-            .zip(&mut motion.previous)
-            .zip(light)
-            .zip(origin)
+            .zip(other_previous)
             .enumerate()
             .with_min_len(256)
-            .for_each(|(g, (((next, previous), light), origin))| {
-                let lead = light.lead as usize;
-                let mut force = applied(g) - arrays.internal(slots, lead);
-                let stretch = arrays.displacement[lead].to_vector() - *origin;
-                *previous = arrays.velocity[lead].to_vector();
-                if light.diagonal {
-                    force -= light.spring.component_mul(&stretch);
-                    *next =
-                        light.carry.component_mul(previous) + light.response.component_mul(&force);
-                } else {
-                    let (group, matrices) = (&groups[g], &coefficients[g]);
-                    for &node in &group.members[1..] {
-                        force -= arrays.internal(slots, node as usize);
-                    }
-                    force -= group.spring * stretch;
-                    *next = matrices.carry * *previous + matrices.inverse * (force * step);
-                }
-            });
+            .for_each(|(g, (next, previous))| [*previous, *next] = kicked(count + g));
     }
 
     /// Adds the prescribed motion: `displacement` gives the value of each motion (m) at the end
@@ -236,6 +320,47 @@ impl Groups {
                 .collect();
             let target = group.condition.target(&velocities);
             self.motion.next[g as usize] += self.coefficients[g as usize].lift * target;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Springs, dashpots and mass damping at angles, a roller and a prescribed motion: the kick obeys
+    /// the equation of motion in the free directions, and the impulse of the step says so.
+    #[test]
+    fn a_kick_obeys_the_equation_of_motion() {
+        let axis = |x: f64, y: f64, z: f64| {
+            let normal = Vec3::new(x, y, z).normalize();
+            normal * normal.transpose()
+        };
+        let mut group = Group {
+            members: vec![0],
+            mass: 2.0,
+            mass_damping: 7.0,
+            dashpot: axis(1.0, 2.0, -0.5) * 300.0 + axis(0.3, -0.2, 1.0) * 90.0,
+            spring: axis(0.2, 1.0, 0.7) * 4e4,
+            ..Group::default()
+        };
+        let (held, driven) = (
+            Vec3::new(0.6, 0.0, 0.8),
+            Vec3::new(1.0, 1.0, -1.0).normalize(),
+        );
+        group.condition.hold(held);
+        assert!(group.condition.prescribe(driven, 0));
+        let step = 1e-2;
+        let before = held.cross(&driven) * 0.7 + group.condition.along(&[0.3]);
+        let force = Vec3::new(5.0, -11.0, 3.0);
+        for rule in [MassDampingRule::Implicit, MassDampingRule::Lagged] {
+            let found = group.coefficients(rule, step);
+            let target = found.lift * group.condition.target(&[-0.4]);
+            let after = found.carry * before + found.inverse * force * step + target;
+            assert!(after.dot(&held).abs() < 1e-15);
+            assert!((after.dot(&driven) + 0.4).abs() < 1e-15);
+            let lacking = group.impulse((rule, step), &before, &after) - force * step;
+            assert!(group.condition.free(lacking).norm() < 1e-14, "{lacking}");
         }
     }
 }

@@ -114,6 +114,7 @@ mod applied;
 mod assembly;
 mod block;
 mod bolts;
+mod constrained;
 mod damping;
 mod error;
 mod gather;

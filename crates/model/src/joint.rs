@@ -67,6 +67,14 @@ pub trait ContactLaw: Send + Sync {
     /// and stop the slip, and the new state. A pair sticks where the trial is admitted as it is,
     /// to the bit.
     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState);
+    /// [`admissible`](Self::admissible) for many pairs at once, in place: trial tractions become those
+    /// admitted, states new ones. A law that stands behind a pointer is called once for all of them.
+    #[inline(always)]
+    fn admit(&self, tractions: &mut [Vec3], states: &mut [JointState]) {
+        for (traction, state) in tractions.iter_mut().zip(states) {
+            (*traction, *state) = self.admissible(*traction, state);
+        }
+    }
     /// The shear traction (Pa, not negative) of a pair that slides under a normal traction (Pa,
     /// positive in tension).
     fn sliding_strength(&self, normal: f64, state: &JointState) -> f64;
@@ -81,6 +89,10 @@ impl<L: ContactLaw + ?Sized> ContactLaw for Box<L> {
     }
     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
         (**self).admissible(trial, state)
+    }
+    #[inline(always)]
+    fn admit(&self, tractions: &mut [Vec3], states: &mut [JointState]) {
+        (**self).admit(tractions, states)
     }
     fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
         (**self).sliding_strength(normal, state)
@@ -111,6 +123,10 @@ impl<L: ContactLaw + ?Sized> ContactLaw for &L {
     }
     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
         (**self).admissible(trial, state)
+    }
+    #[inline(always)]
+    fn admit(&self, tractions: &mut [Vec3], states: &mut [JointState]) {
+        (**self).admit(tractions, states)
     }
     fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
         (**self).sliding_strength(normal, state)

@@ -22,40 +22,72 @@ pub(super) struct PairStep {
     pub(super) state: JointState,
 }
 
+/// What a step has done, and its work.
+pub(super) struct Outcome {
+    /// Time at the step's start (s).
+    pub(super) time: f64,
+    /// Displacement of the second side relative to the first at the start (m), gap included.
+    pub(super) offset: Vec3,
+    /// Traction on the first side (Pa), preload included.
+    pub(super) traction: Vec3,
+    /// What the law made of the state.
+    pub(super) state: JointState,
+    /// Work that the body loses across the pair and along it (J).
+    pub(super) across: f64,
+    pub(super) along: f64,
+    /// Length of the path along the tangents (m) if it slides.
+    pub(super) path: f64,
+}
+
 /// Writes a step into the pair's record and adds its work.
 ///
 /// Of a traction `T` on area `A` that meets the mean relative velocity `w` of a step the body loses
 /// `A dt T . w`: the normal part where sides meet, the tangential part by friction, both by the bond
 /// in the step in which it breaks. The joint's own forces are those of `T - T0`, so the work of the
 /// preload `T0`, which belongs to stresses outside the ledger, comes from outside.
-#[inline(always)]
 pub(super) fn book(record: &mut JointRecord, step: &PairStep, work: &mut ConstraintWork) {
-    let old = record.state;
-    let slides = step.state.contact == ContactState::Slide;
-    let opens = step.state.contact == ContactState::Open;
     let path = (step.before + step.after) * (0.5 * step.length * step.area);
-    let across = step.traction.x * path.x;
-    let along = step.traction.y * path.y + step.traction.z * path.z;
-    if old.bond == Bond::Intact && step.state.bond == Bond::Broken {
-        record.bond_energy += across + along;
-        work.bond += across + along;
-    } else {
-        record.impact += across;
-        record.friction += along;
-        work.impact += across;
-        work.friction += along;
-    }
+    let slip = step.after.y * step.after.y + step.after.z * step.after.z;
+    let outcome = Outcome {
+        time: step.time,
+        offset: step.offset,
+        traction: step.traction,
+        state: step.state,
+        across: step.traction.x * path.x,
+        along: step.traction.y * path.y + step.traction.z * path.z,
+        path: slip.sqrt() * step.length,
+    };
+    enter(record, &outcome, work);
     work.external -= step.preload.dot(&path);
+}
 
+/// Writes a step into the pair's record, and adds its work but that of the preload.
+#[inline(always)]
+pub(super) fn enter(record: &mut JointRecord, step: &Outcome, work: &mut ConstraintWork) {
+    let old = record.state;
+    if old.bond == Bond::Intact && step.state.bond == Bond::Broken {
+        record.bond_energy += step.across + step.along;
+        work.bond += step.across + step.along;
+    } else {
+        record.impact += step.across;
+        record.friction += step.along;
+        work.impact += step.across;
+        work.friction += step.along;
+    }
     let mut slip = old.slip;
-    if slides {
-        let velocity = step.after;
-        slip += (velocity.y * velocity.y + velocity.z * velocity.z).sqrt() * step.length;
-        record.first_slip.get_or_insert(step.time);
-    } else if opens {
-        record.first_crack.get_or_insert(step.time);
-    } else if old.contact != ContactState::Stick || record.anchor.is_none() {
-        record.anchor = Some([step.offset.y, step.offset.z]);
+    match step.state.contact {
+        ContactState::Slide => {
+            slip += step.path;
+            record.first_slip.get_or_insert(step.time);
+        }
+        ContactState::Open => {
+            record.first_crack.get_or_insert(step.time);
+        }
+        ContactState::Stick => {
+            if old.contact != ContactState::Stick || record.anchor.is_none() {
+                record.anchor = Some([step.offset.y, step.offset.z]);
+            }
+        }
     }
     record.state = JointState { slip, ..step.state };
     record.traction = step.traction;

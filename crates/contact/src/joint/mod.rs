@@ -16,7 +16,7 @@ use powerhouse_model::{
 use crate::ContactError;
 use crate::connected::connected_pairs;
 use group::Group;
-use isolated::{IsolatedPair, isotropic};
+use isolated::{IsolatedPair, Tile, isotropic};
 use solve::Effort;
 
 /// What a pair starts with beside its geometry.
@@ -47,8 +47,8 @@ struct Section<L> {
     law: L,
     /// Where its pairs end.
     end: usize,
-    /// Where its isolated pairs end.
-    isolated_end: usize,
+    /// Its isolated pairs, for the step in use.
+    tiles: Vec<Tile>,
 }
 
 /// The law of each pair.
@@ -90,7 +90,8 @@ impl<L> Laws<'_, L> {
 pub struct Joint<L> {
     name: String,
     sections: Vec<Section<L>>,
-    /// Mesh indices, each once.
+    /// Mesh indices, each once, in the order of the pairs: what a pass over them reads lies side by
+    /// side.
     nodes: Vec<u32>,
     pairs: Vec<JointPair>,
     sides: Vec<Side>,
@@ -99,7 +100,7 @@ pub struct Joint<L> {
     places: Vec<[u32; 2]>,
     /// Pairs that nodes connect.
     connected: Vec<Vec<u32>>,
-    isolated: Vec<IsolatedPair>,
+    isolated_count: usize,
     groups: Vec<Group>,
     effort: Effort,
     /// The step (s) that it is prepared for.
@@ -144,7 +145,7 @@ impl<L: ContactLaw> Joint<L> {
                 name: name.clone(),
                 law,
                 end: pairs.len(),
-                isolated_end: 0,
+                tiles: Vec::new(),
             }],
             name,
             vec![Side::default(); pairs.len()],
@@ -161,12 +162,15 @@ impl<L: ContactLaw> Joint<L> {
         pairs: Vec<JointPair>,
     ) -> Self {
         let of_pairs: Vec<[u32; 2]> = pairs.iter().map(|pair| pair.nodes).collect();
-        let mut nodes: Vec<u32> = of_pairs.iter().flatten().copied().collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let place = |node: u32| nodes.partition_point(|&other| other < node) as u32;
+        let (mut nodes, mut place_of) = (Vec::new(), HashMap::new());
+        let mut place = |node: u32| {
+            *place_of.entry(node).or_insert_with(|| {
+                nodes.push(node);
+                nodes.len() as u32 - 1
+            })
+        };
         Self {
-            places: of_pairs.iter().map(|pair| pair.map(place)).collect(),
+            places: of_pairs.iter().map(|pair| pair.map(&mut place)).collect(),
             connected: connected_pairs(&of_pairs),
             name,
             sections,
@@ -174,7 +178,7 @@ impl<L: ContactLaw> Joint<L> {
             pairs,
             sides,
             records,
-            isolated: Vec::new(),
+            isolated_count: 0,
             groups: Vec::new(),
             effort: Effort::default(),
             prepared: None,
@@ -242,6 +246,7 @@ impl<L: ContactLaw> Joint<L> {
             side.preload = preload;
             record.traction = preload;
         }
+        self.prepared = None;
         Ok(self)
     }
 
@@ -266,6 +271,7 @@ impl<L: ContactLaw> Joint<L> {
                 self.records[index].state = APART;
             }
         }
+        self.prepared = None;
         Ok(self)
     }
 
@@ -305,7 +311,7 @@ impl<L: ContactLaw> Joint<L> {
     }
     /// How many pairs are corrected in one pass, each by itself, once masses are known.
     pub fn isolated_count(&self) -> usize {
-        self.isolated.len()
+        self.isolated_count
     }
 }
 
@@ -319,7 +325,7 @@ impl<L: ContactLaw> Constraint for Joint<L> {
 
     fn prepare(&mut self, step: f64, inverse_mass: &[Mat3]) {
         self.prepared = Some(step);
-        self.isolated.clear();
+        let mut isolated = Vec::new();
         self.groups.clear();
         for connected in &self.connected {
             let places: Vec<[u32; 2]> =
@@ -328,9 +334,13 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                 let [first, second] = nodes.map(|node| &inverse_mass[node as usize]);
                 if let (Some(first), Some(second)) = (isotropic(first), isotropic(second)) {
                     if first + second > 0.0 {
-                        let area = self.pairs[*index as usize].area;
-                        let pair = IsolatedPair::new((*index, *nodes), area, [first, second], step);
-                        self.isolated.push(pair);
+                        isolated.push(IsolatedPair {
+                            index: *index,
+                            nodes: *nodes,
+                            pair: self.pairs[*index as usize],
+                            side: self.sides[*index as usize],
+                            inverse_mass: [first, second],
+                        });
                     }
                     continue;
                 }
@@ -339,10 +349,13 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             group.prepare(&self.pairs, inverse_mass);
             self.groups.push(group);
         }
-        self.isolated.sort_by_key(IsolatedPair::index);
+        isolated.sort_by_key(|pair| pair.index);
+        self.isolated_count = isolated.len();
+        let mut start = 0;
         for section in &mut self.sections {
-            let inside = |pair: &IsolatedPair| pair.index() < section.end;
-            section.isolated_end = self.isolated.partition_point(inside);
+            let end = isolated.partition_point(|pair| (pair.index as usize) < section.end);
+            section.tiles = Tile::all(&isolated[start..end], step).collect();
+            start = end;
         }
     }
 
@@ -351,13 +364,9 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             self.prepare(motion.step, motion.inverse_mass);
         }
         let mut work = ConstraintWork::default();
-        let mut start = 0;
         for section in &self.sections {
-            let isolated = &self.isolated[start..section.isolated_end];
-            start = section.isolated_end;
-            let geometry = (&self.pairs[..], &self.sides[..]);
             let records = &mut self.records;
-            let part = isolated::correct(&section.law, isolated, geometry, records, &mut motion);
+            let part = isolated::correct(&section.law, &section.tiles, records, &mut motion);
             work.friction += part.friction;
             work.bond += part.bond;
             work.impact += part.impact;

@@ -3,6 +3,7 @@
 mod sum;
 mod work;
 
+use core::ops::Range;
 use std::collections::BTreeMap;
 
 use powerhouse_model::{BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, Vec3};
@@ -213,19 +214,24 @@ impl Ledger {
         &mut self,
         groups: &Groups,
         (rule, step): (MassDampingRule, f64),
-        places: &[u32],
+        own: Range<usize>,
         predicted: &[Vec3],
         report: ConstraintWork,
     ) {
         let account = &mut self.constraints;
         let (mut halves, mut driven) = ([0.0; 2], false);
-        for (&g, before) in places.iter().zip(predicted) {
-            let group = &groups.groups[g as usize];
-            let after = groups.motion.next[g as usize];
-            let impulse = group.effective(rule, step).0 * (after - before);
-            halves[0] += 0.5 * impulse.dot(&groups.motion.previous[g as usize]);
+        for (g, before) in own.zip(predicted) {
+            let after = groups.motion.next[g];
+            let impulse = match groups.bare_mass(g) {
+                Some(mass) => (after - before) * mass,
+                None => {
+                    let group = &groups.groups[g];
+                    driven |= !group.condition.prescribed.is_empty();
+                    group.correction((rule, step), &(after - before))
+                }
+            };
+            halves[0] += 0.5 * impulse.dot(&groups.motion.previous[g]);
             halves[1] += 0.5 * impulse.dot(&after);
-            driven |= !group.condition.prescribed.is_empty();
         }
         account.halves[0] += halves[0];
         account.halves[1] += halves[1];

@@ -96,6 +96,9 @@ impl Present<'_> {
     }
 
     fn add_group(&self, g: usize, halves: &mut [NodalWork<f64>; 2]) {
+        if self.mass_damping.is_empty() && self.groups.bare_mass(g).is_some() {
+            return;
+        }
         let group = &self.groups.groups[g];
         let motion = &self.groups.motion;
         let (before, after) = (motion.previous[g], motion.next[g]);
@@ -133,7 +136,6 @@ impl Present<'_> {
     /// motion lacks in the held and driven directions, `A v+ - (...) v- - dt f`.
     fn driving_impulse(&self, g: usize) -> Vec3 {
         let group = &self.groups.groups[g];
-        let (effective, old) = group.effective(self.rule, self.step);
         let mut force = self.sums.on_group(g) - group.spring * self.stretch(g);
         with_nodes!(self.nodes, arrays => {
             for &node in &group.members {
@@ -141,7 +143,9 @@ impl Present<'_> {
             }
         });
         let motion = &self.groups.motion;
-        let lacking = effective * motion.next[g] - old * motion.previous[g] - force * self.step;
+        let (before, after) = (&motion.previous[g], &motion.next[g]);
+        let impulse = group.impulse((self.rule, self.step), before, after);
+        let lacking = impulse - force * self.step;
         lacking - group.condition.free(lacking)
     }
 

@@ -237,14 +237,9 @@ impl<'a> ModelBuilder<'a> {
             plan.drive(prescribed, motion)?;
         }
         let constrained = plan.constrain(&self.constraints)?;
-        let (groups, group_of) = plan.finish(&mass, &mass_damping);
-        let groups = Groups::new(groups, node_count);
-        let constraints = self
-            .constraints
-            .into_iter()
-            .zip(constrained)
-            .map(|(constraint, nodes)| bind(constraint, nodes, &group_of))
-            .collect();
+        let (groups, group_of) = plan.finish(&mass, &mass_damping, &constrained);
+        let groups = Groups::new(groups, &constrained.concat(), &slots);
+        let constraints = bind(self.constraints, constrained);
 
         let loads = AppliedLoads::new(loads, own_loads, &group_of, groups.groups.len());
         let with_external = loads.sums.on_plain_nodes();
@@ -417,19 +412,19 @@ fn lumped(
     Ok((mass, damping))
 }
 
-fn bind(constraint: Box<dyn Constraint>, nodes: Vec<u32>, group_of: &[Option<u32>]) -> Bound {
-    let count = nodes.len();
-    Bound {
-        constraint,
-        groups: nodes
-            .iter()
-            .filter_map(|&node| group_of[node as usize])
-            .collect(),
-        nodes,
-        displacement: vec![Vec3::zeros(); count],
-        previous: vec![Vec3::zeros(); count],
-        velocity: vec![Vec3::zeros(); count],
-        predicted: Vec::new(),
-        inverse_mass: vec![Mat3::zeros(); count],
-    }
+/// The constraints with their groups, which come first among all.
+fn bind(constraints: Vec<Box<dyn Constraint>>, nodes: Vec<Vec<u32>>) -> Vec<Bound> {
+    let mut end = 0;
+    let bind = |(constraint, nodes): (_, Vec<u32>)| {
+        let start = end;
+        end += nodes.len();
+        Bound {
+            constraint,
+            groups: start..end,
+            predicted: Vec::new(),
+            inverse_mass: vec![Mat3::zeros(); nodes.len()],
+            nodes,
+        }
+    };
+    constraints.into_iter().zip(nodes).map(bind).collect()
 }

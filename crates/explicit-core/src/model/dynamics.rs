@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::Model;
 use crate::applied::split;
-use crate::nodes::{NodalArrays, Storage, with_nodes};
+use crate::nodes::{NodalArrays, Nodes, Storage, with_nodes};
 
 /// Forces of all blocks, each in its buffer; yields the first that fails, its set and its fault.
 ///
@@ -68,8 +68,12 @@ impl Dynamics for Model {
                 model.book_first_half(step);
                 model.kicked = false;
                 model.advance::<true>(step);
+                if matches!(model.nodes, Nodes::F64(_)) {
+                    model.groups.motion.has_moved(step);
+                }
                 model.book_second_half(step);
             } else {
+                model.groups.motion.forget();
                 with_nodes!(&mut model.nodes, arrays => arrays.drift(step));
             }
             model.uncommitted = true;
@@ -166,8 +170,9 @@ impl Model {
         }
         with_nodes!(&mut self.nodes, arrays => arrays.set_coefficients(&gain, &decay));
         for bound in &mut self.constraints {
-            for (inverse, &group) in bound.inverse_mass.iter_mut().zip(&bound.groups) {
-                *inverse = self.groups.coefficients[group as usize].inverse;
+            let own = &self.groups.coefficients[bound.groups.clone()];
+            for (inverse, matrices) in bound.inverse_mass.iter_mut().zip(own) {
+                *inverse = matrices.inverse;
             }
             bound.constraint.prepare(step, &bound.inverse_mass);
         }
@@ -189,37 +194,26 @@ impl Model {
         let Self {
             constraints,
             groups,
-            nodes,
             ledger,
             prepared,
             ..
         } = self;
         for bound in constraints {
-            with_nodes!(&*nodes, arrays => {
-                for (i, &node) in bound.nodes.iter().enumerate() {
-                    bound.displacement[i] = arrays.displacement[node as usize].to_vector();
-                }
-            });
-            for (i, &group) in bound.groups.iter().enumerate() {
-                let group = group as usize;
-                bound.previous[i] = groups.motion.previous[group];
-                bound.velocity[i] = groups.motion.next[group];
-            }
+            let motion = groups.motion.of(bound.groups.clone());
             if ledger.is_some() {
-                bound.predicted.clone_from(&bound.velocity);
+                bound.predicted.clear();
+                bound.predicted.extend_from_slice(motion.next);
             }
             let work = bound.constraint.correct(PredictedMotion::new(
                 (self.number, self.time, step),
-                &bound.displacement,
-                &bound.previous,
-                &mut bound.velocity,
+                motion.displacement,
+                motion.previous,
+                motion.next,
                 &bound.inverse_mass,
             ))?;
-            for (&group, &velocity) in bound.groups.iter().zip(&bound.velocity) {
-                groups.motion.next[group as usize] = velocity;
-            }
             if let (Some(ledger), Some(prepared)) = (ledger.as_mut(), *prepared) {
-                ledger.book_constraint(groups, prepared, &bound.groups, &bound.predicted, work);
+                let own = bound.groups.clone();
+                ledger.book_constraint(groups, prepared, own, &bound.predicted, work);
             }
         }
         Ok(())

@@ -7,6 +7,7 @@ mod plan;
 mod solids;
 mod start;
 
+use core::ops::Range;
 use std::sync::Arc;
 
 use powerhouse_model::{
@@ -24,16 +25,13 @@ use crate::stable_step::Spectrum;
 pub use builder::{ElementChoice, ModelBuilder};
 pub(crate) use dynamics::block_forces;
 
-/// A constraint with the places where it acts, and its buffers.
+/// A constraint with the groups on which it acts.
 pub(crate) struct Bound {
     pub(crate) constraint: Box<dyn Constraint>,
     /// Engine nodes, in the constraint's order.
     nodes: Vec<u32>,
-    /// Their groups.
-    groups: Vec<u32>,
-    displacement: Vec<Vec3>,
-    previous: Vec<Vec3>,
-    velocity: Vec<Vec3>,
+    /// The groups of its nodes, in its order.
+    groups: Range<usize>,
     /// The velocity before the correction, while a ledger is kept.
     predicted: Vec<Vec3>,
     inverse_mass: Vec<Mat3>,

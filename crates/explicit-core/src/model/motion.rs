@@ -112,6 +112,7 @@ impl Model {
         }
         self.check_ties(velocity)?;
         self.settle();
+        self.groups.motion.forget();
         let engine_of = &self.numbering.engine_of;
         with_nodes!(&mut self.nodes, arrays => {
             arrays.displacement.fill(Quad::default());

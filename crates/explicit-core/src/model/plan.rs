@@ -157,11 +157,13 @@ impl<'a> GroupPlan<'a> {
         Ok(all)
     }
 
-    /// The groups in rising order of their leads, and the group of each node.
+    /// The groups, and the group of each node. Those of the constraints' nodes come first, in the
+    /// order of the constraints, so that these see them as slices; others in rising order of leads.
     pub(super) fn finish(
         mut self,
         mass: &[f64],
         damping: &[f64],
+        constrained: &[Vec<u32>],
     ) -> (Vec<Group>, Vec<Option<u32>>) {
         let nodes = 0..self.parent.len() as u32;
         // A tied node makes a group even if nothing else acts on it; its root is met before it.
@@ -179,7 +181,11 @@ impl<'a> GroupPlan<'a> {
                 group.mass_damping += damping.get(node as usize).copied().unwrap_or(0.0);
             }
         }
-        let groups: Vec<Group> = self.nodes.into_values().collect();
+        let mut groups = Vec::with_capacity(self.nodes.len());
+        for &node in constrained.iter().flatten() {
+            groups.extend(self.nodes.remove(&self.root(node)));
+        }
+        groups.extend(self.nodes.into_values());
         let mut group_of = vec![None; mass.len()];
         for (g, group) in groups.iter().enumerate() {
             for &node in &group.members {

@@ -44,6 +44,7 @@ impl Model {
         self.in_pool(|model| {
             model.settle();
             model.commit();
+            model.groups.motion.forget();
             with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
             model.begin_stage();
             model.refuse_relaxing()?;

@@ -29,6 +29,7 @@ pub(super) struct System<'a> {
 impl<'a> System<'a> {
     /// The model brought to rest.
     pub(super) fn new(model: &'a mut Model) -> Result<Self, StaticError> {
+        model.groups.motion.forget();
         with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
         let mut diagonal = vec![Mat3::zeros(); model.mass.len()];
         let of_blocks = model.blocks.par_iter().map(|block| {
