@@ -226,7 +226,7 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
 pub(crate) fn results(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
     println!("\npeaks\n{}", results.peaks(mesh));
     energies(results);
-    joints(results);
+    joints(mesh, results);
     bolts(results);
     remarks(&results.doubts(mesh));
     println!("\nfiles");
@@ -252,23 +252,58 @@ fn bolts(results: &Results) {
 }
 
 /// What has become of joints.
-fn joints(results: &Results) {
+fn joints(mesh: &Mesh, results: &Results) {
     let outcomes = &results.joint_outcomes;
     if !outcomes.is_empty() {
         println!("\njoints");
     }
-    let began = |what: &str, share: f64, time: Option<f64>| match time {
-        Some(time) => format!("{:.1} % {what} from {time:.4} s on", 100.0 * share),
-        None => format!("none {what}"),
-    };
     for outcome in outcomes {
+        let joint = results
+            .joints
+            .iter()
+            .find(|joint| joint.name == outcome.joint);
+        let at = |pair: usize| {
+            let position = joint.map(|joint| mesh.positions()[joint.pairs[pair].nodes[0] as usize]);
+            position.map_or_else(String::new, |p| {
+                format!("at ({:.2}, {:.2}, {:.2})", p.x, p.y, p.z)
+            })
+        };
+        let began = |what: &str, share: f64, first: Option<(f64, usize)>| match first {
+            Some((time, pair)) => {
+                format!(
+                    "{:.1} % {what} from {time:.4} s on, first {}",
+                    100.0 * share,
+                    at(pair)
+                )
+            }
+            None => format!("none {what}"),
+        };
+        let most = |what: &str, (value, pair): (f64, usize)| {
+            let place = if value > 0.0 { at(pair) } else { String::new() };
+            format!("{what} {value:.3e} m {place}")
+                .trim_end()
+                .to_owned()
+        };
         println!(
-            "  {:<20} {}, {}; slip {:.3e} m, opening {:.3e} m",
+            "  {:<20} {}; {}",
             outcome.name,
             began("slid", outcome.slipped, outcome.first_slip),
+            most("slip", outcome.slip),
+        );
+        println!(
+            "  {:<20} {}; {}",
+            "",
             began("opened", outcome.opened, outcome.first_crack),
-            outcome.slip,
-            outcome.peak_opening,
+            most("opening", outcome.peak_opening),
+        );
+        println!(
+            "  {:<20} bond broken on {:.1} %, none ever on {:.1} %; friction {:.3e} J, bond {:.3e} J, impact {:.3e} J",
+            "",
+            100.0 * outcome.broken,
+            100.0 * outcome.never_bonded,
+            outcome.friction,
+            outcome.bond,
+            outcome.impact,
         );
     }
     for joint in results.joints.iter().filter(|joint| joint.most_sweeps > 0) {

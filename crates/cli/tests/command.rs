@@ -283,6 +283,8 @@ fn run_tells_what_became_of_joints() {
         "at-crown ",
         " % slid from ",
         " % opened from ",
+        " s on, first at (",
+        "bond broken on 0.0 %, none ever on 100.0 %; friction ",
         "pairs of 'rock-lining' that share nodes took ",
         "friction ",
         "impact ",

@@ -139,18 +139,22 @@ pub struct JointOutcome {
     pub pairs: usize,
     /// Their area (m2).
     pub area: f64,
-    /// When the first of them slid (s).
-    pub first_slip: Option<f64>,
-    /// When the first of them opened (s).
-    pub first_crack: Option<f64>,
+    /// When the first of them slid (s), and which, by its place among the joint's pairs.
+    pub first_slip: Option<(f64, usize)>,
+    /// When the first of them opened (s), and which.
+    pub first_crack: Option<(f64, usize)>,
     /// Share of the area that ever slid.
     pub slipped: f64,
     /// Share of the area that ever opened.
     pub opened: f64,
-    /// The largest accumulated slip (m).
-    pub slip: f64,
-    /// The largest opening (m).
-    pub peak_opening: f64,
+    /// Share of the area that never had a bond.
+    pub never_bonded: f64,
+    /// Share of the area whose bond has broken.
+    pub broken: f64,
+    /// The largest accumulated slip (m), and the first of the pairs that have it.
+    pub slip: (f64, usize),
+    /// The largest opening (m), and the first of the pairs that had it.
+    pub peak_opening: (f64, usize),
     /// Dissipated by friction (J).
     pub friction: f64,
     /// Dissipated where bonds broke (J).
@@ -253,10 +257,6 @@ impl JointWatch {
             // From zero: a sum of nothing is -0.
             of.fold(0.0, |sum, (pair, _)| sum + pair.area) / area
         };
-        let largest = |value: &dyn Fn(&JointRecord) -> f64| -> f64 {
-            let values = pairs.clone().map(|(_, record)| value(record));
-            values.fold(f64::NEG_INFINITY, f64::max)
-        };
         let mean = |value: &dyn Fn(&JointRecord) -> f64| -> f64 {
             let values = pairs
                 .clone()
@@ -266,13 +266,17 @@ impl JointWatch {
         let sum = |value: &dyn Fn(&JointRecord) -> f64| -> f64 {
             pairs.clone().map(|(_, record)| value(record)).sum()
         };
-        let first = |time: &dyn Fn(&JointRecord) -> Option<f64>| -> Option<f64> {
-            pairs
-                .clone()
-                .filter_map(|(_, record)| time(record))
-                .reduce(f64::min)
+        let placed = || self.pairs.iter().copied().zip(pairs.clone());
+        let first = |time: &dyn Fn(&JointRecord) -> Option<f64>| -> Option<(f64, usize)> {
+            let times = placed().filter_map(|(place, (_, record))| Some((time(record)?, place)));
+            times.reduce(|least, next| if next.0 < least.0 { next } else { least })
         };
-        let (slip, peak_opening) = (largest(&|r| r.state.slip), largest(&|r| r.peak_opening));
+        let most = |value: &dyn Fn(&JointRecord) -> f64| -> (f64, usize) {
+            let none = (f64::NEG_INFINITY, 0);
+            let values = placed().map(|(place, (_, record))| (value(record), place));
+            values.fold(none, |most, next| if next.0 > most.0 { next } else { most })
+        };
+        let (slip, peak_opening) = (most(&|r| r.state.slip), most(&|r| r.peak_opening));
         let friction = sum(&|r| r.friction);
         let bond = sum(&|r| r.bond_energy);
         let impact = sum(&|r| r.impact);
@@ -280,9 +284,9 @@ impl JointWatch {
             share(&|r| r.state.contact == ContactState::Slide),
             share(&|r| r.state.contact == ContactState::Open),
             share(&|r| r.state.bond == Bond::Broken),
-            slip,
-            largest(&|r| r.opening),
-            peak_opening,
+            slip.0,
+            most(&|r| r.opening).0,
+            peak_opening.0,
             mean(&|r| r.traction.x),
             mean(&|r| r.traction.y.hypot(r.traction.z)),
             friction,
@@ -300,6 +304,8 @@ impl JointWatch {
             first_crack: first(&|r| r.first_crack),
             slipped: share(&|r| r.first_slip.is_some()),
             opened: share(&|r| r.first_crack.is_some()),
+            never_bonded: share(&|r| r.state.bond == Bond::Never),
+            broken: share(&|r| r.state.bond == Bond::Broken),
             slip,
             peak_opening,
             friction,

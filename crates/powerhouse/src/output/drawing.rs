@@ -3,9 +3,12 @@
 use std::path::Path;
 
 use powerhouse_io::{
-    IoError, Picture, PictureField, Plot, SectionPlane, TableColumn, write_picture, write_plot,
+    FacetField, IoError, Picture, PictureField, Plot, SectionPlane, TableColumn, write_picture,
+    write_plot,
 };
 use powerhouse_model::{Mesh, Vec3};
+
+use super::joints::JointPicture;
 
 /// Writes a plot of a table against its first column.
 pub(super) fn plot(file: &Path, title: &str, columns: &[TableColumn]) -> Result<(), IoError> {
@@ -69,4 +72,60 @@ pub(super) fn picture(
         normal: -Vec3::y(),
     });
     write_picture(file, &picture)
+}
+
+/// Writes a picture of the facets of a joint, from where most of them are seen; facets all around
+/// something are cut open across y in their middle.
+pub(super) fn joint_picture(
+    file: &Path,
+    mesh: &Mesh,
+    joint: &str,
+    JointPicture {
+        name,
+        unit,
+        kinds,
+        field,
+    }: &JointPicture,
+) -> Result<(), IoError> {
+    let label = match kinds.is_empty() {
+        true => format!("{name} ({unit})"),
+        false => (*name).to_owned(),
+    };
+    let mut picture = Picture::new(mesh, PictureField::Facets(field), label);
+    picture.title = format!("joint {joint}");
+    picture.names = kinds;
+    match face(field) {
+        Some(normal) => {
+            let aslant = picture.view.direction.normalize();
+            let away = if normal.dot(&aslant) < 0.0 {
+                -normal
+            } else {
+                normal
+            };
+            picture.view.direction = aslant + away;
+        }
+        None => {
+            let corners = || field.positions.iter();
+            let low = corners().fold(Vec3::repeat(f64::INFINITY), |low, p| low.inf(p));
+            let high = corners().fold(Vec3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
+            picture.section = Some(SectionPlane {
+                point: (low + high) / 2.0,
+                normal: -Vec3::y(),
+            });
+        }
+    }
+    write_picture(file, &picture)
+}
+
+/// The normal of facets that mostly face one way; none of those that stand around something.
+fn face(field: &FacetField) -> Option<Vec3> {
+    let (mut sum, mut area) = (Vec3::zeros(), 0.0);
+    for facet in &field.facets {
+        let corner = |place: usize| field.positions[facet[place] as usize];
+        let last = facet.len() - 1;
+        let normal = (corner(2) - corner(0)).cross(&(corner(last) - corner(1)));
+        sum += normal;
+        area += normal.norm();
+    }
+    (sum.norm() > 0.5 * area).then(|| sum.normalize())
 }

@@ -9,9 +9,10 @@ use powerhouse_explicit_core::observe::{HistoryTable, SnapshotSink};
 use powerhouse_io::{IoError, TableColumn, write_summary, write_table, write_whole};
 use powerhouse_model::Mesh;
 
+use super::joints::JointFacets;
 use super::stages::StageFiles;
 use super::summary::Summary;
-use super::{Results, drawing, joints, vtu};
+use super::{Results, drawing, vtu};
 use crate::{Error, Remark, StageSink};
 
 /// A folder that takes the files of a run.
@@ -28,6 +29,7 @@ use crate::{Error, Remark, StageSink};
 /// | `envelope.vtu` | greatest values with their times |
 /// | `state.vtu` | the greatest of what laws remember, such as damage, with times; damage type and yield state at the end |
 /// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
+/// | `pictures/joint-NAME-WHAT.png` | each joint's facets with state and bond at the end, slip and peak opening if there were any |
 /// | `stages/NUMBER-NAME.vtu` | the body at the end of each stage: displacement, stress, what laws remember, which elements are there; beside it the facets of joints (`-JOINT.vtu`) and the axial forces of bolts (`-BOLTS.csv`) |
 /// | `bolts/NAME.csv` | axial forces of bolts at the end, segment by segment |
 /// | `snapshots.pvd` and a folder beside it | whole fields, and the facets of joints, for ParaView |
@@ -213,11 +215,17 @@ impl ResultFolder {
                 )?;
             }
         }
-        for joint in results.joint_surfaces.iter().zip(&results.joints) {
-            let name = format!("joints/{}.vtu", drawing::file_name(&joint.1.name));
-            files.write(&name, |file| {
-                joints::write(file, mesh, joint, results.run.time)
-            })?;
+        for (surface, table) in results.joint_surfaces.iter().zip(&results.joints) {
+            let plain = drawing::file_name(&table.name);
+            let name = format!("joints/{plain}.vtu");
+            let facets = JointFacets::new(&self.path.join(&name), mesh, surface)?;
+            files.write(&name, |file| facets.write(file, table, results.run.time))?;
+            for picture in facets.pictures(table) {
+                let what = drawing::file_name(picture.name);
+                files.write(&format!("pictures/joint-{plain}-{what}.png"), |file| {
+                    drawing::joint_picture(file, mesh, &table.name, &picture)
+                })?;
+            }
         }
         for bolts in &results.bolts {
             let name = format!("bolts/{}.csv", drawing::file_name(&bolts.name));

@@ -1,10 +1,10 @@
-//! Joint facets with their fields, for ParaView.
+//! Joint facets with their fields, for ParaView and as pictures.
 
 use std::path::Path;
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::observe::{JointTable, PeakField};
-use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
+use powerhouse_explicit_core::observe::JointTable;
+use powerhouse_io::{FacetField, FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{Bond, ContactState, JointPair, JointRecord, Mesh, Vec3};
 
 /// The files of a joint's facets.
@@ -15,6 +15,9 @@ use powerhouse_model::{Bond, ContactState, JointPair, JointRecord, Mesh, Vec3};
 /// energies of friction, bond and impact per area. Tips, where both sides are one, have zeros.
 pub(super) struct JointFacets {
     pub(super) writer: VtuWriter,
+    /// Corner positions (m) and the corners of each facet.
+    positions: Vec<Vec3>,
+    facets: Vec<Vec<u32>>,
     /// The pair at each point; none at tips.
     pairs: Vec<Option<usize>>,
 }
@@ -39,7 +42,12 @@ impl JointFacets {
             file: file.into(),
             source,
         })?;
-        Ok(Self { writer, pairs })
+        Ok(Self {
+            writer,
+            positions,
+            facets,
+            pairs,
+        })
     }
 
     /// What has become of its pairs.
@@ -51,44 +59,64 @@ impl JointFacets {
         FIELDS.iter().map(of_field).collect()
     }
 
+    /// Pictures of its pairs: what each shows, its unit, its numbers and the names of these if they
+    /// are kinds. What never was above zero has none, but for the state.
+    pub(super) fn pictures(&self, table: &JointTable) -> Vec<JointPicture> {
+        let field = |name: &str| {
+            let (_, value) = FIELDS.iter().find(|(known, _)| *known == name)?;
+            let values = self.spread(|pair| value(&table.pairs[pair], &table.records[pair]));
+            Some(FacetField {
+                positions: self.positions.clone(),
+                facets: self.facets.clone(),
+                values,
+            })
+        };
+        let pictures = PICTURES.iter().filter_map(|&(name, unit, kinds)| {
+            let field = field(name)?;
+            let shows = !kinds.is_empty() || field.values.iter().any(|&value| value > 0.0);
+            shows.then_some(JointPicture {
+                name,
+                unit,
+                kinds,
+                field,
+            })
+        });
+        pictures.collect()
+    }
+
+    /// Writes them at a time (s): what has become of the pairs, and their greatest and least tractions
+    /// over the run with their times.
+    pub(super) fn write(&self, file: &Path, table: &JointTable, time: f64) -> Result<(), IoError> {
+        let mut fields = self.fields(&table.pairs, &table.records);
+        let tractions = &table.tractions;
+        for (name, time, peak) in [
+            (
+                "greatest normal traction",
+                "time of greatest normal traction",
+                &tractions.greatest_normal,
+            ),
+            (
+                "least normal traction",
+                "time of least normal traction",
+                &tractions.least_normal,
+            ),
+            (
+                "greatest shear traction",
+                "time of greatest shear traction",
+                &tractions.greatest_shear,
+            ),
+        ] {
+            fields.push((name, self.spread(|pair| peak.values[pair])));
+            fields.push((time, self.spread(|pair| peak.times[pair])));
+        }
+        self.writer.write(file, time, &scalars(&fields), &[])
+    }
+
     /// The values of the pairs at the points.
     fn spread(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
         let of = |pair: &Option<usize>| pair.map_or(0.0, &value);
         self.pairs.iter().map(of).collect()
     }
-}
-
-/// Writes a joint as a surface at a time (s): what has become of it, and its greatest and least
-/// tractions over the run with their times.
-pub(super) fn write(
-    file: &Path,
-    mesh: &Mesh,
-    (surface, table): (&JointSurface, &JointTable),
-    time: f64,
-) -> Result<(), IoError> {
-    let facets = JointFacets::new(file, mesh, surface)?;
-    let mut fields = facets.fields(&table.pairs, &table.records);
-    let mut peak = |[name, time]: [&'static str; 2], field: &PeakField| {
-        fields.push((name, facets.spread(|pair| field.values[pair])));
-        fields.push((time, facets.spread(|pair| field.times[pair])));
-    };
-    let tractions = &table.tractions;
-    peak(
-        [
-            "greatest normal traction",
-            "time of greatest normal traction",
-        ],
-        &tractions.greatest_normal,
-    );
-    peak(
-        ["least normal traction", "time of least normal traction"],
-        &tractions.least_normal,
-    );
-    peak(
-        ["greatest shear traction", "time of greatest shear traction"],
-        &tractions.greatest_shear,
-    );
-    facets.writer.write(file, time, &scalars(&fields), &[])
 }
 
 /// The fields as a file takes them.
@@ -102,6 +130,25 @@ pub(super) fn scalars(fields: &JointFields) -> Vec<VtuField<'_>> {
     });
     scalars.collect()
 }
+
+/// A picture of the facets of a joint.
+pub(super) struct JointPicture {
+    /// What it shows.
+    pub(super) name: &'static str,
+    /// Its unit.
+    pub(super) unit: &'static str,
+    /// Names of its numbers from 0, if they are kinds.
+    pub(super) kinds: &'static [&'static str],
+    pub(super) field: FacetField,
+}
+
+/// The fields that are drawn, with their units or the names of their kinds.
+const PICTURES: [(&str, &str, &[&str]); 4] = [
+    ("state", "", &["sticks", "slides", "open"]),
+    ("bond", "", &["none", "intact", "broken"]),
+    ("slip", "m", &[]),
+    ("peak opening", "m", &[]),
+];
 
 type Value = fn(&JointPair, &JointRecord) -> f64;
 

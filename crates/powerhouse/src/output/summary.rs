@@ -108,17 +108,28 @@ struct Joint {
     /// s
     #[serde(skip_serializing_if = "Option::is_none")]
     first_slip: Option<f64>,
+    /// Number of a node there, on the first side
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_slip_node: Option<u64>,
     /// s
     #[serde(skip_serializing_if = "Option::is_none")]
     first_crack: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_crack_node: Option<u64>,
     /// Share of the area
     slipped: f64,
     /// Share of the area
     opened: f64,
+    /// Share of the area
+    never_bonded: f64,
+    /// Share of the area
+    broken: f64,
     /// m
     slip: f64,
+    slip_node: u64,
     /// m
     peak_opening: f64,
+    peak_opening_node: u64,
     /// J
     friction: f64,
     /// J
@@ -193,7 +204,7 @@ impl Summary {
                 .map(Peak::from)
                 .collect(),
             joints: (results.joint_outcomes.iter())
-                .map(|outcome| Joint::new(outcome, &results.joints))
+                .map(|outcome| Joint::new(mesh, outcome, &results.joints))
                 .collect(),
             energies: results
                 .energy_terms()
@@ -243,8 +254,14 @@ impl Bolts {
 }
 
 impl Joint {
-    fn new(outcome: &JointOutcome, joints: &[JointTable]) -> Self {
+    fn new(mesh: &Mesh, outcome: &JointOutcome, joints: &[JointTable]) -> Self {
         let whole = joints.iter().find(|joint| joint.name == outcome.joint);
+        let node = |pair: usize| {
+            let node = whole
+                .and_then(|joint| joint.pairs.get(pair))
+                .map(|pair| pair.nodes[0]);
+            node.map_or(0, |node| mesh.node_tags()[node as usize])
+        };
         Self {
             most_sweeps: whole.map_or(0, |joint| joint.most_sweeps),
             worst_residual: whole.map_or(0.0, |joint| joint.worst_residual),
@@ -252,12 +269,18 @@ impl Joint {
             joint: outcome.joint.clone(),
             pairs: outcome.pairs,
             area: outcome.area,
-            first_slip: outcome.first_slip,
-            first_crack: outcome.first_crack,
+            first_slip: outcome.first_slip.map(|(time, _)| time),
+            first_slip_node: outcome.first_slip.map(|(_, pair)| node(pair)),
+            first_crack: outcome.first_crack.map(|(time, _)| time),
+            first_crack_node: outcome.first_crack.map(|(_, pair)| node(pair)),
             slipped: outcome.slipped,
             opened: outcome.opened,
-            slip: outcome.slip,
-            peak_opening: outcome.peak_opening,
+            never_bonded: outcome.never_bonded,
+            broken: outcome.broken,
+            slip: outcome.slip.0,
+            slip_node: node(outcome.slip.1),
+            peak_opening: outcome.peak_opening.0,
+            peak_opening_node: node(outcome.peak_opening.1),
             friction: outcome.friction,
             bond: outcome.bond,
             impact: outcome.impact,

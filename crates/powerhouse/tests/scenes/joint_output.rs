@@ -232,13 +232,29 @@ fn columns_say_what_becomes_of_the_pairs() {
     let first = |time: fn(&JointRecord) -> Option<f64>| {
         table.records.iter().filter_map(time).reduce(f64::min)
     };
-    assert!(whole.first_slip.is_some() && whole.first_slip == first(|r| r.first_slip));
-    assert!(whole.first_crack.is_some() && whole.first_crack == first(|r| r.first_crack));
-    let earliest = outcome("west")
-        .first_slip
-        .unwrap()
-        .min(outcome("east").first_slip.unwrap());
-    assert_eq!(whole.first_slip, Some(earliest));
+    let slid = whole.first_slip.unwrap();
+    assert_eq!(Some(slid.0), first(|r| r.first_slip));
+    assert_eq!(table.records[slid.1].first_slip, Some(slid.0));
+    let cracked = whole.first_crack.unwrap();
+    assert_eq!(Some(cracked.0), first(|r| r.first_crack));
+    assert_eq!(table.records[cracked.1].first_crack, Some(cracked.0));
+    let of = |name: &str| outcome(name).first_slip.unwrap().0;
+    let earliest = of("west").min(of("east"));
+    assert_eq!(slid.0, earliest);
+    // Which pair it was is a place among all pairs of the joint, also for a part of them.
+    let east = outcome("east");
+    let (slip, pair) = east.slip;
+    assert_eq!(
+        (table.records[pair].state.slip, slip),
+        (slip, last("east.slip"))
+    );
+    let (opening, pair) = east.peak_opening;
+    assert_eq!(table.records[pair].peak_opening, opening);
+    assert!(mesh.positions()[pairs[pair].nodes[0] as usize].x >= 140.0);
+    assert_eq!(
+        (whole.never_bonded, whole.broken),
+        (0.0, last("bedding.broken"))
+    );
     assert!(whole.slipped > 0.0 && whole.slipped <= 1.0 + 1e-12 && whole.opened > 0.0);
     // What a history of states shows is not before the first time.
     let times = results.joint_histories.times.iter();
@@ -265,6 +281,10 @@ fn columns_say_what_becomes_of_the_pairs() {
         "joints/bedding.vtu",
         "plots/joint-west.svg",
         "plots/joint-bedding.svg",
+        "pictures/joint-bedding-state.png",
+        "pictures/joint-bedding-bond.png",
+        "pictures/joint-bedding-slip.png",
+        "pictures/joint-bedding-peak-opening.png",
     ] {
         assert!(
             written.contains(&folder.0.join(name)),
@@ -277,7 +297,8 @@ fn columns_say_what_becomes_of_the_pairs() {
     let summary = std::fs::read_to_string(folder.0.join("summary.json")).unwrap();
     for key in [
         "\"first_slip\"",
-        "\"first_crack\"",
+        "\"first_crack_node\"",
+        "\"never_bonded\"",
         "\"west\"",
         "\"slipped\"",
     ] {
@@ -294,6 +315,7 @@ fn columns_say_what_becomes_of_the_pairs() {
     }
     output.clear().unwrap();
     assert!(!folder.0.join("plots/joint-west.svg").exists());
+    assert!(!folder.0.join("pictures/joint-bedding-slip.png").exists());
 }
 
 /// Snapshots hold the facets of the joints beside the body, part by part, and are cleared with them.
