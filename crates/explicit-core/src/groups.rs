@@ -76,6 +76,17 @@ impl Group {
     }
 
     fn coefficients(&self, rule: MassDampingRule, step: f64) -> Coefficients {
+        if self.mass <= 0.0 {
+            // A node that lost its elements; what it may still have is not worth an account.
+            let zeros = Mat3::zeros();
+            let (carry, inverse) = (zeros, zeros);
+            let lift = self.condition.project(&inverse).1;
+            return Coefficients {
+                carry,
+                inverse,
+                lift,
+            };
+        }
         let (mass, old) = self.effective_mass(rule, step);
         let spring = self.spring * (0.25 * step * step);
         let half = self.dashpot * (0.5 * step);

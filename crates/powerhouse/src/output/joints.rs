@@ -119,13 +119,19 @@ impl JointFacets {
     }
 }
 
-/// The fields as a file takes them.
+/// The fields as a file takes them; kinds are whole numbers.
 pub(super) fn scalars(fields: &JointFields) -> Vec<VtuField<'_>> {
-    let fields = fields.iter();
-    let scalars = fields.map(|(name, values)| VtuField {
+    let of_kinds = |name: &str| {
+        let mut pictures = PICTURES.iter();
+        pictures.any(|(known, _, kinds)| *known == name && !kinds.is_empty())
+    };
+    let scalars = fields.iter().map(|(name, values)| VtuField {
         name,
         components: 1,
-        numbers: VtuNumbers::Real,
+        numbers: match of_kinds(name) {
+            true => VtuNumbers::Whole,
+            false => VtuNumbers::Real,
+        },
         values,
     });
     scalars.collect()
