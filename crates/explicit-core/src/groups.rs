@@ -7,6 +7,7 @@ use powerhouse_model::{MassDampingRule, Mat3, Vec3};
 use rayon::prelude::*;
 
 use crate::constrained::{ConstrainedMotion, ConstrainedNodes, TILE};
+use crate::effective_mass::inverse;
 use crate::gather::{CHUNK, SlotTable};
 use crate::nodes::{NodalArrays, Storage};
 use crate::support::Condition;
@@ -89,14 +90,13 @@ impl Group {
         }
         let (mass, old) = self.effective_mass(rule, step);
         let spring = self.spring * (0.25 * step * step);
-        let half = self.dashpot * (0.5 * step);
-        let effective = Mat3::identity() * mass + half + spring;
-        let old = Mat3::identity() * old - half + spring;
-        // Symmetric positive definite: mass is positive, damping and spring are not negative.
-        let inverse = effective.try_inverse().unwrap_or_else(Mat3::zeros);
-        let (inverse, lift) = self.condition.project(&inverse);
+        let added = self.dashpot * (0.5 * step) + spring;
+        let (inverse, lift) = self.condition.project(&inverse(mass, &added));
+        // The factor of the old velocity is `mass + old + 2 spring - A`, and `P A` is known: nothing
+        // cancels where a dashpot far outweighs the mass.
+        let kept = Mat3::identity() * (mass + old) + spring * 2.0;
         Coefficients {
-            carry: inverse * old,
+            carry: inverse * kept - self.condition.kept(&lift),
             inverse,
             lift,
         }
@@ -338,6 +338,50 @@ impl Groups {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Where a dashpot at an angle outweighs the mass by up to 1e12 a node still moves across it as
+    /// its mass demands, and along it as the dashpot lets it, neither faster nor slower; with a
+    /// roller at another angle it keeps to its plane.
+    #[test]
+    fn a_dashpot_that_outweighs_the_mass_leaves_it_its_digits() {
+        let normal = Vec3::new(1.0, 2.0, -0.5).normalize();
+        let along = normal * normal.transpose();
+        let across = Mat3::identity() - along;
+        let (mass, step) = (3.0, 1e-3);
+        let rule = MassDampingRule::Implicit;
+        for ratio in [1e-3, 1.0, 1e4, 1e8, 1e12] {
+            let group = Group {
+                members: vec![0],
+                mass,
+                dashpot: along * (2.0 * ratio * mass / step),
+                ..Group::default()
+            };
+            let found = group.coefficients(rule, step);
+            let inverse = (across + along / (1.0 + ratio)) / mass;
+            let error = (found.inverse - inverse).amax() * mass;
+            assert!(error < 1e-14, "{ratio:e}: {error:e}");
+            let carry = across + along * ((1.0 - ratio) / (1.0 + ratio));
+            let error = (found.carry - carry).amax();
+            assert!(error < 1e-14, "{ratio:e}: {error:e}");
+
+            let roller = Vec3::new(0.3, 0.1, 1.0).normalize();
+            let mut held = group.clone();
+            held.condition.hold(roller);
+            let found = held.coefficients(rule, step);
+            let free = roller.cross(&normal).normalize();
+            let error = (found.carry * free - free).norm();
+            assert!(error < 1e-13, "{ratio:e}: {error:e}");
+            let error = (found.inverse * free - free / mass).norm();
+            assert!(error < 1e-13, "{ratio:e}: {error:e}");
+            let velocity = (Mat3::identity() - roller * roller.transpose()) * normal;
+            let carried = found.carry * velocity;
+            assert!(
+                carried.norm() <= velocity.norm() * (1.0 + 1e-13),
+                "{ratio:e}"
+            );
+            assert!(carried.dot(&roller).abs() < 1e-15, "{ratio:e}");
+        }
+    }
 
     /// Springs, dashpots and mass damping at angles, a roller and a prescribed motion: the kick obeys
     /// the equation of motion in the free directions, and the impulse of the step says so.

@@ -116,6 +116,7 @@ mod block;
 mod bolts;
 mod constrained;
 mod damping;
+mod effective_mass;
 mod error;
 mod gather;
 mod groups;

@@ -267,10 +267,7 @@ impl Condition {
     /// The inverse of an effective mass in the free directions, `P = A^-1 - L N^T A^-1`, and
     /// `L = A^-1 N (N^T A^-1 N)^-1`, which gives a node its velocity along the directions `N`.
     pub(crate) fn project(&self, inverse: &Mat3) -> (Mat3, Mat3) {
-        let mut directions = Mat3::zeros();
-        for (i, q) in self.basis.iter().enumerate() {
-            directions.set_column(i, q);
-        }
+        let directions = self.normals();
         match self.basis.len() {
             0 => (*inverse, Mat3::zeros()),
             3 => (Mat3::zeros(), directions),
@@ -290,6 +287,25 @@ impl Condition {
                 ((projected + projected.transpose()) * 0.5, lift)
             }
         }
+    }
+
+    /// The held and driven directions as columns, zeros after them.
+    fn normals(&self) -> Mat3 {
+        let mut normals = Mat3::zeros();
+        for (i, q) in self.basis.iter().enumerate() {
+            normals.set_column(i, q);
+        }
+        normals
+    }
+
+    /// What `P A` leaves of a velocity, `I - L N^T`: all of it but what lies in the held and driven
+    /// directions.
+    pub(crate) fn kept(&self, lift: &Mat3) -> Mat3 {
+        if self.prescribed.is_empty() || self.basis.len() == 3 {
+            // Nothing of a velocity lies in held directions.
+            return Mat3::from_columns(&[Vec3::x(), Vec3::y(), Vec3::z()].map(|e| self.free(e)));
+        }
+        Mat3::identity() - lift * self.normals().transpose()
     }
 
     /// The orthonormal directions that are held or driven.
