@@ -8,10 +8,11 @@ use std::time::Instant;
 
 use powerhouse::engine::{BlockOptions, Hex8OnePoint, Leapfrog, Model, Precision, SolidKernel};
 use powerhouse::material::{
-    ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LinearElastic, Mazars,
-    MohrCoulomb, presets,
+    ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LeeFenves,
+    LinearElastic, Mazars, MohrCoulomb, ReferenceFrequency, RelaxationSpectrum, presets,
 };
-use powerhouse::model::{ConstitutiveLaw, ElasticMedium, Mesh, State, TimeIntegrator, Vec3};
+use powerhouse::model::{Mesh, State, TimeIntegrator, Vec3};
+use powerhouse::{Kernel, Material};
 
 const CELLS: usize = 48;
 /// Edge of the cluster: 18^3 of 48^3 elements are 5.3 %.
@@ -66,15 +67,10 @@ fn state(mesh: &Mesh, yielding: Yielding, step: f64) -> State {
 }
 
 /// The least time of a step per element (ns), and the share of elements that yield in it.
-fn cost(
-    law: impl ConstitutiveLaw,
-    mesh: &Mesh,
-    yielding: Yielding,
-    precision: Precision,
-) -> (f64, f64) {
+fn cost(law: &Material, mesh: &Mesh, yielding: Yielding, precision: Precision) -> (f64, f64) {
     let mut options = BlockOptions::default();
     options.precision = precision;
-    let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
+    let kernel = Kernel::from(SolidKernel::Hex8OnePoint(Hex8OnePoint::default()));
     let step = 0.3 / law.medium().p_speed();
     let builder = Model::builder(mesh).elements("rock", kernel.factory("rock", law, options));
     let mut model = builder.threads(1).build().expect("a sound model");
@@ -107,18 +103,19 @@ fn cost(
     )
 }
 
-fn compare<M: ConstitutiveLaw>(name: &str, law: M, mesh: &Mesh) {
+fn compare(name: &str, law: impl Into<Material>, mesh: &Mesh) {
+    let law = law.into();
     let word = std::env::args().skip(1).find(|word| !word.starts_with('-'));
     if word.is_some_and(|word| !name.contains(&word)) {
         return;
     }
     for (precision, digits) in [(Precision::F64, "double"), (Precision::Mixed, "mixed")] {
         let elastic = || {
-            let medium: ElasticMedium = law.medium();
-            cost(LinearElastic::new(medium), mesh, Yielding::None, precision).0
+            let elastic = Material::from(LinearElastic::new(law.medium()));
+            cost(&elastic, mesh, Yielding::None, precision).0
         };
         let before = elastic();
-        let of = |yielding| cost(law.clone(), mesh, yielding, precision);
+        let of = |yielding| cost(&law, mesh, yielding, precision);
         let costs = [Yielding::None, Yielding::Cluster, Yielding::All].map(of);
         let base = before.min(elastic());
         let told = costs.map(|(cost, share)| {
@@ -129,7 +126,7 @@ fn compare<M: ConstitutiveLaw>(name: &str, law: M, mesh: &Mesh) {
             )
         });
         println!(
-            "{name:16} {digits:6} elastic {base:5.1} ns; {}",
+            "{name:19} {digits:6} elastic {base:5.1} ns; {}",
             told.join(", ")
         );
     }
@@ -162,4 +159,21 @@ fn main() {
     );
     let concrete = Mazars::new(presets::PAPER_CONCRETE_MAZARS).expect("sound");
     compare("mazars", concrete, &mesh);
+    let concrete = LeeFenves::new(presets::PAPER_CONCRETE_LEE_FENVES).expect("sound");
+    compare("lee-fenves", concrete, &mesh);
+    let band = DampingBand {
+        ratio: 0.05,
+        lowest: 0.5,
+        highest: 20.0,
+        mechanisms: 3,
+    };
+    let spectrum = RelaxationSpectrum::fit(band).expect("sound");
+    let damped = |law: Material| {
+        let damped = law.damped(&spectrum, ReferenceFrequency::Centre);
+        damped.expect("sound").expect("in series")
+    };
+    let elastic = Material::from(LinearElastic::new(rock.medium));
+    compare("damped elastic", damped(elastic), &mesh);
+    let rock = Material::from(ElastoPlastic::new(surface));
+    compare("damped mohr-coulomb", damped(rock), &mesh);
 }

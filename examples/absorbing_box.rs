@@ -71,7 +71,7 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
     let scene = Scene::new("absorbing box", mesh)
         .part(Part::new(
             "rock",
-            Material::new(LinearElastic::new(media::ROCK)),
+            Material::from(LinearElastic::new(media::ROCK)),
         ))
         .load(NodalForce::new(centre, force, Box::new(push)))
         .duration(DURATION)

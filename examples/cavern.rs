@@ -65,13 +65,13 @@ fn composed(data: &Path) -> Outcome<Scene> {
     parameters.incidence = Angle::from_degrees(30.0);
     parameters.reference = first_hit_corner(&low, &high, &parameters.direction());
     let wave = PlaneWave::new(parameters, Arc::new(record(data)?))?;
-    let concrete = Material::new(LinearElastic::new(media::CONCRETE));
+    let concrete = Material::from(LinearElastic::new(media::CONCRETE));
     let (crown, floor) = (Vec3::new(0.0, 0.0, -60.0), Vec3::new(0.0, 0.0, -92.0));
     let faces = ["left", "right", "front", "back", "bottom"];
     Ok(Scene::new("lined cavern", mesh)
         .part(Part::new(
             "rock",
-            Material::new(LinearElastic::new(media::ROCK)),
+            Material::from(LinearElastic::new(media::ROCK)),
         ))
         .part(Part::new("lining", concrete).kernel(SolidKernel::Hex8Full))
         .field(wave)

@@ -91,7 +91,7 @@ impl Case {
 
         let cube = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(EDGE), [ELEMENTS; 3], "rock")?;
         let results = Scene::new("free field", cube)
-            .part(Part::new("rock", Material::new(LinearElastic::new(rock))))
+            .part(Part::new("rock", Material::from(LinearElastic::new(rock))))
             .boundary(
                 Boundary::new(boundary, ["left", "right", "front", "back", "bottom"])
                     .scatterer(centre),

@@ -113,7 +113,7 @@ fn surface_motion(
     let results = Scene::new("own boundary", mesh)
         .part(Part::new(
             "rock",
-            Material::new(LinearElastic::new(media::ROCK)),
+            Material::from(LinearElastic::new(media::ROCK)),
         ))
         .field(PlaneWave::new(parameters, Arc::new(pulse))?)
         .boundary(Boundary::new(

@@ -196,7 +196,7 @@ fn difference(first: &[f64], second: &[f64]) -> f64 {
 
 fn figures() -> Outcome<Figures> {
     let soil = ElasticMedium::new(100.0e6, 0.3, 1900.0)?;
-    let elastic = || Material::new(LinearElastic::new(soil));
+    let elastic = || Material::from(LinearElastic::new(soil));
     let softening = || {
         Material::from_point_law(Hyperbolic {
             medium: soil,

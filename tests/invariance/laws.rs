@@ -1,15 +1,16 @@
 //! The same bits with laws that yield and crack, however the work is divided, and across a restart.
 
+use powerhouse::{Kernel, Material};
 use powerhouse_explicit_core::{
     BlockOptions, LaneWidth, Leapfrog, Model, Precision, RunOptions, SolidKernel, StepChoice, run,
 };
 use powerhouse_material_damage::{
-    ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, FlatDamping,
-    HoekBrown, HoekBrownParameters, LeeFenves, Mazars, MohrCoulomb, MohrCoulombParameters,
-    PlasticDamage, PlasticDamageParameters, ReferenceFrequency, RelaxationSpectrum,
-    SofteningPlasticity, SofteningPlasticityParameters, StrengthFall, TwoSurface, presets,
+    ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown,
+    HoekBrownParameters, LeeFenves, Mazars, MohrCoulomb, MohrCoulombParameters, PlasticDamage,
+    PlasticDamageParameters, ReferenceFrequency, RelaxationSpectrum, SofteningPlasticity,
+    SofteningPlasticityParameters, StrengthFall, TwoSurface, presets,
 };
-use powerhouse_model::{ConstitutiveLaw, Mesh, State, Vec3};
+use powerhouse_model::{Mesh, State, Vec3};
 
 /// How a run is divided.
 #[derive(Clone, Copy)]
@@ -22,7 +23,7 @@ struct Division {
 
 /// A distorted box that fills no lane evenly, shaken until part of it yields.
 fn state(
-    law: &impl ConstitutiveLaw,
+    material: &Material,
     kernel: SolidKernel,
     precision: Precision,
     division: Division,
@@ -37,7 +38,7 @@ fn state(
     options.precision = precision;
     options.lanes = division.lanes;
     let build = || {
-        let factory = kernel.factory("rock", law.clone(), options);
+        let factory = Kernel::from(kernel).factory("rock", material, options);
         let builder = Model::builder(&mesh).elements("rock", factory);
         builder
             .threads(division.threads)
@@ -65,7 +66,8 @@ fn state(
 }
 
 /// Fails if threads, lanes or a restart leave a trace.
-fn check(law: impl ConstitutiveLaw) {
+fn check(law: impl Into<Material>) {
+    let law = law.into();
     let whole = Division {
         lanes: LaneWidth::Native,
         threads: 1,
@@ -191,6 +193,7 @@ fn so_do_laws_that_are_iterated_and_damped() {
         mechanisms: 2,
     };
     let spectrum = RelaxationSpectrum::fit(band).unwrap();
-    let rock = ElastoPlastic::new(rock);
-    check(FlatDamping::new(rock, spectrum, ReferenceFrequency::Centre).unwrap());
+    let rock = Material::from(ElastoPlastic::new(rock));
+    let damped = rock.damped(&spectrum, ReferenceFrequency::Centre).unwrap();
+    check(damped.unwrap());
 }

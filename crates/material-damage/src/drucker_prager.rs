@@ -1,11 +1,10 @@
 //! The cone of Drucker and Prager.
 
-use powerhouse_model::{ElasticMedium, Lane, Stress, each};
+use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, Stress, each};
 
 use crate::MaterialError;
 use crate::surface::{
-    PrincipalReturn, StressReturn, YieldState, YieldSurface, check_frictional, far_lanes,
-    mean_and_shear, stiffened,
+    PrincipalReturn, StressReturn, YieldState, YieldSurface, check_frictional, far_lanes, stiffened,
 };
 
 /// To which stresses of Mohr and Coulomb the cone is fitted.
@@ -177,7 +176,7 @@ fn along<L: Lane>(deviator: &[L; 6], share: L, mean: L) -> Stress<L> {
 #[inline(always)]
 fn invariants<L: Lane>(&[s1, s2, s3]: &[L; 3]) -> (L, L) {
     let zero = s1.constant(0.0);
-    mean_and_shear(&Stress([s1, s2, s3, zero, zero, zero]))
+    Stress([s1, s2, s3, zero, zero, zero]).mean_and_shear()
 }
 
 /// The way back to the cone, or to its apex, along the deviator of the trial.
@@ -204,8 +203,12 @@ impl YieldSurface for DruckerPrager {
     }
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
-        let (mean, shear) = mean_and_shear(stress);
+        let (mean, shear) = stress.mean_and_shear();
         self.yield_function(mean, shear)
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        let slope = 3.0 * self.friction;
+        Some(ElasticDomain::EVERYTHING.within(slope, 1.0, self.strength))
     }
     #[inline(always)]
     fn excess<L: Lane>(&self, principal: &[L; 3]) -> L {
@@ -229,7 +232,7 @@ impl YieldSurface for DruckerPrager {
     /// The return goes along the deviator of the trial, so that no principal values are needed.
     #[inline(always)]
     fn return_stress<L: Lane>(&self, trial: &Stress<L>) -> Option<StressReturn<L>> {
-        let (mean, shear) = mean_and_shear(trial);
+        let (mean, shear) = trial.mean_and_shear();
         let zero = mean.constant(0.0);
         let outside = zero.less(self.yield_function(mean, shear));
         if !mean.any(outside) {

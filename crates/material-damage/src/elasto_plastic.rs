@@ -1,7 +1,8 @@
 //! The elastic, perfectly plastic law of a yield surface.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Stress, array, each,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
+    Stress, array, each,
 };
 
 use crate::energy;
@@ -105,6 +106,9 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
         new_history[EQUIVALENT] = old[EQUIVALENT] + equivalent(&flow.plastic);
         new_history[YIELD_STATE] = flow.state;
         flow.stress_change(&change, &input.initial)
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        self.surface.elastic_domain()
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {

@@ -2,12 +2,10 @@
 
 use powerhouse_model::{ElasticMedium, Lane, LawEnergy, LawInput, Strain, Stress, array};
 
-use crate::surface::mean_and_shear;
-
 /// `s : C^-1 : s / 2` (J/m3).
 #[inline(always)]
 pub(crate) fn elastic_energy<L: Lane>(medium: &ElasticMedium, stress: &Stress<L>) -> L {
-    let (mean, shear) = mean_and_shear(stress);
+    let (mean, shear) = stress.mean_and_shear();
     let volume = mean * mean * mean.constant(0.5 / medium.bulk());
     let shape = shear * shear * mean.constant(0.5 / medium.shear());
     volume + shape

@@ -1,8 +1,6 @@
 //! The exponential function on lanes.
 
-use powerhouse_model::Lane;
-
-use crate::root::rounding;
+use powerhouse_model::{Lane, Scalar};
 
 /// The greatest argument: below `exp(-87)` single precision has no normal numbers.
 const MOST: f64 = 87.0;
@@ -56,7 +54,7 @@ fn logarithm<L: Lane>(x: L) -> L {
     let mut doublings = number(0.0);
     for bit in [512, 256, 128, 64, 32, 16, 8, 4, 2, 1] {
         // Single precision knows no such powers.
-        if bit > 64 && rounding::<L>() > 1.0e-10 {
+        if bit > 64 && L::Scalar::EPSILON > 1.0e-10 {
             continue;
         }
         let (up, count) = (2.0_f64.powi(bit), number(f64::from(bit)));
@@ -88,7 +86,7 @@ fn logarithm<L: Lane>(x: L) -> L {
 pub(crate) fn power<L: Lane>(x: L, p: f64) -> L {
     let number = |value: f64| x.constant(value);
     let (zero, one) = (number(0.0), number(1.0));
-    let normal = if rounding::<L>() > 1.0e-10 {
+    let normal = if L::Scalar::EPSILON > 1.0e-10 {
         f64::from(f32::MIN_POSITIVE)
     } else {
         f64::MIN_POSITIVE

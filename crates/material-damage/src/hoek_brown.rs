@@ -1,11 +1,11 @@
 //! The surface of Hoek and Brown.
 
-use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
+use powerhouse_model::{ElasticMedium, Lane, ParameterError, Scalar, Stress};
 
 use crate::MaterialError;
 use crate::exponential::power;
-use crate::root::{Function, rounding, zero_between};
-use crate::surface::{PrincipalReturn, YieldState, YieldSurface, mean_and_shear, pick, stiffened};
+use crate::root::{Function, zero_between};
+use crate::surface::{PrincipalReturn, YieldState, YieldSurface, pick, stiffened};
 
 /// What a [`HoekBrown`] surface is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -221,7 +221,7 @@ impl HoekBrown {
         let at_first = at_first.max(zero);
         let at_last = along.at(last).min(zero);
         let size = upper.abs() + lower.abs() + number(self.apex());
-        let tolerance = size * number(rounding::<L>());
+        let tolerance = size * number(L::Scalar::EPSILON);
         let y = zero_between([first, at_first], [last, at_last], tolerance, &along);
         let (greatest, opening, flow) = along.flows(y);
         Branch {
@@ -273,7 +273,7 @@ impl YieldSurface for HoekBrown {
     /// weights that give the exponent.
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
-        let (mean, shear) = mean_and_shear(stress);
+        let (mean, shear) = stress.mean_and_shear();
         let number = |value: f64| mean.constant(value);
         let intact = self.parameters.intact_strength;
         let apart = shear * number(2.0 / intact);

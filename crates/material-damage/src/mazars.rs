@@ -1,8 +1,8 @@
 //! Damage in total strain after Mazars.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Stress, each,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
+    ModelError, ParameterError, Stress, each,
 };
 
 use crate::dual::Dual;
@@ -11,7 +11,7 @@ use crate::history::{self, number};
 use crate::softening::{
     STEEPEST, check_size, damage_of, damage_of_falling_stress, inverse_rate_in_total_strain,
 };
-use crate::surface::{mean_and_shear, stiffened};
+use crate::surface::stiffened;
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
 
 /// Softening in tension of a [`Mazars`] law.
@@ -159,15 +159,22 @@ impl Mazars {
         }
     }
 
+    /// The norms of the strain of a mean stress and of a `sqrt(J2)` of one (1/Pa): `sum e_i^2 = (p /
+    /// K)^2 / 3 + J2 / 2 G^2`.
+    #[inline(always)]
+    fn strain_norms(&self) -> [f64; 2] {
+        let medium = &self.parameters.medium;
+        let volume = 1.0 / (3.0_f64.sqrt() * medium.bulk());
+        [volume, 1.0 / (core::f64::consts::SQRT_2 * medium.shear())]
+    }
+
     /// The norm of the strain of a stress: no equivalent strain is larger, and no principal values
     /// are needed.
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
-        let (mean, shear) = mean_and_shear(stress);
-        let medium = &self.parameters.medium;
-        // sum e_i^2 = (p / K)^2 / 3 + J2 / 2 G^2
-        let volume = mean * mean.constant(1.0 / (3.0_f64.sqrt() * medium.bulk()));
-        let shape = shear * mean.constant(1.0 / (core::f64::consts::SQRT_2 * medium.shear()));
+        let (mean, shear) = stress.mean_and_shear();
+        let [volume, shape] = self.strain_norms().map(|factor| mean.constant(factor));
+        let (volume, shape) = (mean * volume, shear * shape);
         volume.mul_add(volume, shape * shape).sqrt()
     }
 
@@ -313,6 +320,20 @@ impl ConstitutiveLaw for Mazars {
             nominal.0[i] = weakened.select(damaged, change.0[i]);
         }
         nominal
+    }
+    /// A polygon within the circle of the [`bound`](Self::bound): its corners are on the axes of
+    /// volume and shape and halfway between.
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        let [volume, shape] = self.strain_norms();
+        let half = core::f64::consts::SQRT_2 - 1.0;
+        let sides = [(1.0, half), (half, 1.0)].into_iter();
+        let sides = sides.flat_map(|(a, b)| [(a * volume, b * shape), (-a * volume, b * shape)]);
+        let threshold = self.parameters.threshold;
+        Some(
+            sides.fold(ElasticDomain::EVERYTHING, |domain, (mean, shear)| {
+                domain.within(mean, shear, threshold)
+            }),
+        )
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {

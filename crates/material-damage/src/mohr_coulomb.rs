@@ -1,10 +1,10 @@
 //! The surface of Mohr and Coulomb with a tension cut-off.
 
-use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
+use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress};
 
 use crate::MaterialError;
-use crate::planes::{Nearest, ShearPlane};
-use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, mean_and_shear, stiffened};
+use crate::planes::{Nearest, ShearPlane, below_cut_off};
+use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, stiffened};
 
 /// Without friction there is no apex: a surface without a cut-off ends at this many cohesions.
 const FRICTIONLESS_CUT_OFF: f64 = 1.0e3;
@@ -155,11 +155,16 @@ impl YieldSurface for MohrCoulomb {
     /// The greatest principal deviator is `2 sqrt(J2 / 3)`.
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
-        let (mean, shear) = mean_and_shear(stress);
+        let (mean, shear) = stress.mean_and_shear();
         let number = |value: f64| mean.constant(value);
         let reach = number(2.0 / 3.0_f64.sqrt());
         let in_tension = reach.mul_add(shear, mean - number(self.tension));
         self.plane.bound(mean, shear).max(in_tension)
+    }
+
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        let domain = self.plane.part_of(ElasticDomain::EVERYTHING);
+        Some(below_cut_off(domain, self.tension))
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! The return to surfaces that are made of planes in principal stresses.
 
-use powerhouse_model::Lane;
+use powerhouse_model::{ElasticDomain, Lane};
 
 use crate::surface::{PrincipalReturn, YieldState, pick};
 
@@ -43,6 +43,17 @@ impl ShearPlane {
         let sheared = number(self.steepness).mul_add(shear, number(-self.strength));
         number(self.friction - 1.0).mul_add(mean, sheared)
     }
+
+    /// The part of a domain where the [`bound`](Self::bound) is not positive.
+    pub(crate) fn part_of(&self, domain: ElasticDomain) -> ElasticDomain {
+        domain.within(self.friction - 1.0, self.steepness, self.strength)
+    }
+}
+
+/// The part of a domain where no principal stress may be above a cut-off (Pa): the greatest deviator
+/// is `2 sqrt(J2 / 3)`.
+pub(crate) fn below_cut_off(domain: ElasticDomain, tension: f64) -> ElasticDomain {
+    domain.within(1.0, 2.0 / 3.0_f64.sqrt(), tension)
 }
 
 /// The face, edge or corner that violates the conditions of a return least, of those that were

@@ -1,8 +1,8 @@
 //! Plasticity with damage: the concrete of the paper.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Stress, array, each,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
+    ModelError, ParameterError, Stress, array, each,
 };
 
 use crate::dual::Dual;
@@ -303,6 +303,9 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
                 self.parameters.residual_stiffness,
             ],
         )
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        self.parameters.surface.elastic_domain()
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {

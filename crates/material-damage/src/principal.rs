@@ -1,8 +1,6 @@
 //! Principal values and directions of symmetric tensors, many at once.
 
-use powerhouse_model::{Lane, Stress, array, each};
-
-use crate::root::rounding;
+use powerhouse_model::{Lane, Scalar, Stress, array, each};
 
 /// The greatest root of `x^3 - 3 x = 2 h` for `h` from 0 to 1, to 1e-5: Chebyshev interpolation,
 /// powers of `h`.
@@ -130,7 +128,7 @@ impl<L: Lane> PrincipalAxes<L> {
 #[inline(always)]
 fn balance<L: Lane>(size: L) -> (L, L) {
     // Beyond these powers of two the balance of this power of two is applied.
-    let (large, small, power) = if rounding::<L>() > f64::EPSILON {
+    let (large, small, power) = if L::Scalar::EPSILON > f64::EPSILON {
         (40, -40, 80)
     } else {
         (400, -400, 520)

@@ -1,22 +1,12 @@
 //! Zeros of functions of one unknown, many at once.
 
-use powerhouse_model::{Lane, Scalar};
+use powerhouse_model::Lane;
 
 /// The most evaluations. Smooth functions take three to six; the worst halve the bracket at every
 /// third, and a zero may lie at the 1e-130th part of it.
 const MOST: usize = 1500;
 /// A bracket that has not become half as wide in so many evaluations is halved.
 const PATIENCE: usize = 3;
-
-/// The rounding of one in the precision of the lane.
-pub(crate) fn rounding<L: Lane>() -> f64 {
-    let single = L::Scalar::from_f64(1.0 + f64::EPSILON).to_f64() == 1.0;
-    if single {
-        f64::from(f32::EPSILON)
-    } else {
-        f64::EPSILON
-    }
-}
 
 /// A function of one unknown.
 ///

@@ -1,8 +1,8 @@
 //! Plasticity whose strength falls with the flow.
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Stress, array, each,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
+    ModelError, ParameterError, Scalar, Stress, array, each,
 };
 
 use crate::dual::Dual;
@@ -10,7 +10,7 @@ use crate::elasto_plastic::equivalent;
 use crate::energy;
 use crate::exponential::decay;
 use crate::history::{self, PLASTIC_STRAINS, number};
-use crate::root::{Function, rounding, zero_between};
+use crate::root::{Function, zero_between};
 use crate::softening::check_size;
 use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, tangent};
@@ -264,7 +264,7 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
         // No flow is larger than that to the residual strength.
         let last = first + lacking.flowed(number(self.parameters.residual_strength));
         let at_last = lacking.at(last).min(zero);
-        let tolerance = number(4.0 * rounding::<L>()) * (first + at_first);
+        let tolerance = number(4.0 * L::Scalar::EPSILON) * (first + at_first);
         zero_between([first, at_first], [last, at_last], tolerance, lacking)
     }
 }
@@ -327,6 +327,9 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
         new_history[LOST] = lost.max(old[LOST]).select(yielded, old[LOST]);
         new_history[YIELD_STATE] = flow.state;
         flow.stress_change(&change, &input.initial)
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        self.parameters.surface.elastic_domain()
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {

@@ -1,6 +1,6 @@
 //! What a yield surface says, and how a trial stress flows back to it.
 
-use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress, each};
+use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress, each};
 
 use crate::{MaterialError, PrincipalAxes};
 
@@ -76,6 +76,10 @@ pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
     /// An upper bound of [`excess`](Self::excess) from invariants alone (Pa): where it is not
     /// positive the stress is elastic, and no principal values are needed.
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L;
+    /// Where the [`bound`](Self::bound) is not positive, in cones; none if they are not known.
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        None
+    }
     /// The yield function of principal stresses in falling order (Pa), positive outside.
     fn excess<L: Lane>(&self, principal: &[L; 3]) -> L;
     /// The stress on the surface that belongs to a trial stress outside.
@@ -123,17 +127,6 @@ pub(crate) fn check_frictional(
         return Err(MaterialError::Dilation { dilation, friction });
     }
     Ok(())
-}
-
-/// Mean stress and the square root of the second invariant of the deviator (Pa).
-#[inline(always)]
-pub(crate) fn mean_and_shear<L: Lane>(stress: &Stress<L>) -> (L, L) {
-    let [xx, yy, zz, xy, yz, zx] = stress.0;
-    let mean = (xx + yy + zz) * xx.constant(1.0 / 3.0);
-    let (x, y, z) = (xx - mean, yy - mean, zz - mean);
-    let normal = x.mul_add(x, y.mul_add(y, z * z)) * xx.constant(0.5);
-    let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
-    (mean, (normal + shear).sqrt())
 }
 
 /// The principal axes of a trial stress and the lanes in which it lies outside a surface; none if no

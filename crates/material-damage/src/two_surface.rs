@@ -1,11 +1,11 @@
 //! A surface that honours listed uniaxial strengths.
 
-use powerhouse_model::{ElasticMedium, Lane, ParameterError, Stress};
+use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress};
 
 use crate::MaterialError;
 use crate::mohr_coulomb::passive_ratio;
-use crate::planes::{Nearest, ShearPlane};
-use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, mean_and_shear, stiffened};
+use crate::planes::{Nearest, ShearPlane, below_cut_off};
+use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, stiffened};
 
 /// What a [`TwoSurface`] is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,12 +122,17 @@ impl YieldSurface for TwoSurface {
     }
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
-        let (mean, shear) = mean_and_shear(stress);
+        let (mean, shear) = stress.mean_and_shear();
         let number = |value: f64| mean.constant(value);
         let reach = number(2.0 / 3.0_f64.sqrt());
         let in_tension = reach.mul_add(shear, mean - number(self.parameters.tension_strength));
         let in_shear = self.strengths.bound(mean, shear);
         in_tension.max(in_shear.max(self.friction.bound(mean, shear)))
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        let domain = self.strengths.part_of(ElasticDomain::EVERYTHING);
+        let domain = self.friction.part_of(domain);
+        Some(below_cut_off(domain, self.parameters.tension_strength))
     }
     #[inline(always)]
     fn excess<L: Lane>(&self, &[s1, _, s3]: &[L; 3]) -> L {

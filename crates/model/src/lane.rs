@@ -5,6 +5,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A storage type of a number: `f64` or `f32`.
 pub trait Scalar: Copy + Send + Sync + PartialOrd + Debug + Default + 'static {
+    /// The distance from one to the next larger number.
+    const EPSILON: f64;
     /// Rounds a double to this type.
     fn from_f64(value: f64) -> Self;
     /// The value as a double, exact.
@@ -12,6 +14,7 @@ pub trait Scalar: Copy + Send + Sync + PartialOrd + Debug + Default + 'static {
 }
 
 impl Scalar for f64 {
+    const EPSILON: f64 = f64::EPSILON;
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         value
@@ -23,6 +26,7 @@ impl Scalar for f64 {
 }
 
 impl Scalar for f32 {
+    const EPSILON: f64 = f32::EPSILON as f64;
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         value as f32

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{ElasticMedium, Lane, ModelError, Strain, Stress};
+use crate::{ElasticDomain, ElasticMedium, Lane, ModelError, Strain, Stress};
 
 /// How results show a history variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -228,6 +228,12 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     /// Why, with the widths that are permitted.
     fn accept_size(&self, _size: f64) -> Result<(), ModelError> {
         Ok(())
+    }
+    /// Total stresses, initial stress included, that are surely elastic as long as the history is
+    /// zero: engines then take [`Stress::elastic`] of [`medium`](Self::medium) and do not ask. There
+    /// the law must give these very bits and leave its history zero. Not known by default.
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        None
     }
     /// The tangent `d stress / d strain` (Pa, 6 x 6, rows of stress) at a point, if the law offers
     /// one.

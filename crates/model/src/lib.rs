@@ -20,6 +20,7 @@
 
 mod boundary;
 mod constraint;
+mod elastic_domain;
 mod element;
 mod engine;
 mod error;
@@ -39,6 +40,7 @@ pub use boundary::{
     SiteFace, SiteNode,
 };
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
+pub use elastic_domain::ElasticDomain;
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
     LimitingTerm, Numbering, Operator,

@@ -124,6 +124,16 @@ impl Strain {
 }
 
 impl<L: Lane> Stress<L> {
+    /// The mean stress and `sqrt(J2)`, the square root of the second invariant of the deviator (Pa).
+    #[inline(always)]
+    pub fn mean_and_shear(&self) -> (L, L) {
+        let [xx, yy, zz, xy, yz, zx] = self.0;
+        let mean = (xx + yy + zz) * xx.constant(1.0 / 3.0);
+        let (x, y, z) = (xx - mean, yy - mean, zz - mean);
+        let normal = x.mul_add(x, y.mul_add(y, z * z)) * xx.constant(0.5);
+        let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
+        (mean, (normal + shear).sqrt())
+    }
     /// The inner product `sigma : epsilon` (J/m3).
     #[inline(always)]
     pub fn work(&self, strain: &Strain<L>) -> L {

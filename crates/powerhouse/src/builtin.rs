@@ -20,7 +20,7 @@ pub(crate) fn register(registry: &mut Registry) {
             elastic.density.get(),
         )?;
         let doubts = Finding::of_medium(&medium);
-        Ok(Material::in_series(LinearElastic::new(medium)).with_doubts(doubts))
+        Ok(Material::from(LinearElastic::new(medium)).with_doubts(doubts))
     });
     registry.add_boundary("viscous-spring", |keys: ViscousSpringKeys| {
         Ok(Arc::new(keys.build()?))

@@ -23,7 +23,7 @@ use crate::Material;
 ///     spectrum: RelaxationSpectrum::fit(band)?,
 ///     reference: ReferenceFrequency::Centre,
 /// };
-/// let rock = Part::new("rock", Material::in_series(LinearElastic::new(media::ROCK))).damping(flat);
+/// let rock = Part::new("rock", Material::from(LinearElastic::new(media::ROCK))).damping(flat);
 /// let moving = rock.moving_material()?;
 /// let shortening = media::ROCK.p_speed() / moving.medium().p_speed();
 /// assert!(shortening > 0.89 && shortening < 0.92, "{shortening}");
@@ -38,7 +38,8 @@ pub enum Damping {
     /// In proportion to mass and stiffness.
     Rayleigh(Rayleigh),
     /// By relaxation mechanisms in series with the law, the same at all frequencies of a band; the
-    /// material must come from [`Material::in_series`](crate::Material::in_series).
+    /// material must be a law of the software (`Material::from`) or come from
+    /// [`Material::in_series`](crate::Material::in_series).
     Flat {
         /// The mechanisms.
         spectrum: RelaxationSpectrum,

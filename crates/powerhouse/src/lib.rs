@@ -49,6 +49,7 @@ mod error;
 mod fault;
 pub mod format;
 mod joint;
+mod known;
 mod output;
 mod part;
 mod registry;

@@ -18,7 +18,7 @@ use crate::{Damping, Error};
 /// ```
 /// use powerhouse::Material;
 /// use powerhouse::material::{LinearElastic, media};
-/// let rock = Material::new(LinearElastic::new(media::ROCK));
+/// let rock = Material::from(LinearElastic::new(media::ROCK));
 /// assert_eq!(rock.medium(), media::ROCK);
 /// ```
 #[derive(Clone)]
@@ -35,7 +35,9 @@ type Damped = dyn Fn(RelaxationSpectrum, ReferenceFrequency) -> Result<Material,
     + Sync;
 
 impl Material {
-    /// A material that follows a law.
+    /// A material that follows a law of any type. The laws of the software are materials already,
+    /// `Material::from(law)`: such a program is compiled sooner, and flat damping can stand in series
+    /// with them.
     pub fn new(law: impl ConstitutiveLaw) -> Self {
         Self {
             law: Arc::new(law),
@@ -105,6 +107,21 @@ impl Material {
     /// Whether stress is linear in strain, without history.
     pub fn is_linear(&self) -> bool {
         self.law.is_linear()
+    }
+    /// The same with damping in series, as [`Damping::Flat`] has it; none if damping cannot stand in
+    /// series with the law.
+    ///
+    /// # Errors
+    /// A reference frequency that is not positive.
+    pub fn damped(
+        &self,
+        spectrum: &RelaxationSpectrum,
+        reference: ReferenceFrequency,
+    ) -> Result<Option<Self>, ParameterError> {
+        let damped = self.damped.as_ref();
+        damped
+            .map(|damped| damped(spectrum.clone(), reference))
+            .transpose()
     }
 }
 
@@ -231,7 +248,9 @@ impl Kernel {
             AnyKernel::Own(kernel) => kernel.points(),
         }
     }
-    pub(crate) fn blocks(
+    /// A factory of blocks of a material for an element set: scenes make theirs of it, models that
+    /// are built without a scene may.
+    pub fn factory(
         &self,
         set: &str,
         material: &Material,
@@ -344,11 +363,14 @@ impl Part {
         else {
             return Ok(self.material.clone());
         };
-        let damped = (self.material.damped.as_ref()).ok_or_else(|| Error::NotInSeries {
-            set: self.set.clone(),
-            law: self.material.name().into(),
-        })?;
-        Ok(damped(spectrum.clone(), *reference)?)
+        let damped =
+            self.material
+                .damped(spectrum, *reference)?
+                .ok_or_else(|| Error::NotInSeries {
+                    set: self.set.clone(),
+                    law: self.material.name().into(),
+                })?;
+        Ok(damped)
     }
     /// The part's own kernel, if it is for none of the kinds.
     pub(crate) fn idle_kernel(

@@ -34,7 +34,7 @@ use crate::{Kernel, Material, builtin};
 /// registry.add_law("rated-rock", |rated: Rated| {
 ///     // Serafim and Pereira (1983): E = 10^((RMR - 10) / 40) GPa.
 ///     let young = 1e9 * 10f64.powf((rated.rating - 10.0) / 40.0);
-///     Ok(Material::new(LinearElastic::new(ElasticMedium::new(young, 0.25, rated.density)?)))
+///     Ok(Material::from(LinearElastic::new(ElasticMedium::new(young, 0.25, rated.density)?)))
 /// });
 /// assert!(registry.law_names().any(|name| name == "rated-rock"));
 /// ```

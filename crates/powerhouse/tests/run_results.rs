@@ -29,7 +29,7 @@ fn cube() -> Scene {
     Scene::new("cube", mesh)
         .part(Part::new(
             "rock",
-            Material::new(LinearElastic::new(media::ROCK)),
+            Material::from(LinearElastic::new(media::ROCK)),
         ))
         .field(PlaneWave::new(parameters, pulse).unwrap())
         .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(top))

@@ -329,9 +329,9 @@ mod tests {
             Account::of(&scene).unwrap().memory(100) as f64
         };
         let medium = media::ROCK;
-        let elastic = || Part::new("rock", Material::in_series(LinearElastic::new(medium)));
+        let elastic = || Part::new("rock", Material::from(LinearElastic::new(medium)));
         let rock = ElastoPlastic::new(MohrCoulomb::new(presets::PAPER_ROCK).unwrap());
-        let yields = || Part::new("rock", Material::in_series(rock));
+        let yields = || Part::new("rock", Material::from(rock));
         let band = DampingBand {
             ratio: 0.02,
             lowest: 1.0,

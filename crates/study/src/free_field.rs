@@ -305,7 +305,7 @@ fn cells(scene: &Scene) -> Result<[usize; 3], StudyError> {
 /// The part behind the absorbing faces, elastic and undamped, with its kernel if that takes bricks;
 /// and the same with its damping and rim, if it is damped.
 fn ground(scene: &Scene, medium: ElasticMedium) -> Result<(Part, Option<Part>), StudyError> {
-    let part = Part::new("ground", Material::in_series(LinearElastic::new(medium)));
+    let part = Part::new("ground", Material::from(LinearElastic::new(medium)));
     let behind: Vec<&Part> = scene
         .parts_behind_boundary()?
         .iter()

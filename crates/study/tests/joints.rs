@@ -27,7 +27,7 @@ fn cut(
     Scene::new("cut", split.mesh)
         .part(Part::new(
             "rock",
-            Material::new(LinearElastic::new(media::ROCK)),
+            Material::from(LinearElastic::new(media::ROCK)),
         ))
         .boundary(Boundary::new(boundary, faces.iter().copied()).scatterer(Vec3::repeat(20.0)))
         .joint(SceneJoint::new("bedding", surface, law))
@@ -63,7 +63,7 @@ fn joints_are_listed() {
     )
     .part(Part::new(
         "rock",
-        Material::new(LinearElastic::new(media::ROCK)),
+        Material::from(LinearElastic::new(media::ROCK)),
     ))
     .duration(0.1);
     let plain = check(plain).unwrap();

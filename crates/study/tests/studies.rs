@@ -40,7 +40,7 @@ fn cube_under(cells: usize, pulse: Arc<dyn Signal>) -> (Mesh, PlaneWave) {
 }
 
 fn rock() -> Part {
-    Part::new("rock", Material::new(LinearElastic::new(ROCK)))
+    Part::new("rock", Material::from(LinearElastic::new(ROCK)))
 }
 
 fn scene(cells: usize, faces: &[&str]) -> Scene {

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, LawEnergy, LawInput, ModelError, Strain,
-    Stress,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, LawEnergy, LawInput,
+    ModelError, Strain, Stress,
 };
 
 use super::history::History;
@@ -30,7 +30,7 @@ pub(crate) enum Memory<'a, S> {
 
 impl<S> Memory<'_, S> {
     #[inline(always)]
-    fn get(&self) -> &History<S> {
+    pub(super) fn get(&self) -> &History<S> {
         match self {
             Self::Read(history) => history,
             Self::Write(history) => history,
@@ -66,6 +66,7 @@ pub(crate) trait LawParts: Send + Sync {
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]>;
     fn relaxes(&self) -> bool;
+    fn elastic_domain(&self) -> Option<ElasticDomain>;
 }
 
 /// A law for batches in a scalar.
@@ -99,6 +100,9 @@ impl<M: ConstitutiveLaw> LawParts for M {
     }
     fn relaxes(&self) -> bool {
         ConstitutiveLaw::relaxes(self)
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        ConstitutiveLaw::elastic_domain(self)
     }
 }
 

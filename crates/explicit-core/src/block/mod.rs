@@ -229,6 +229,7 @@ where
         let operation = Material::<K, A, S, N, P> {
             kernel: &self.kernel,
             law,
+            domain: self.law.elastic_domain().filter(|_| survey.is_none()),
             lanes: self.lanes,
             batches: self.batches(),
             moduli: self.moduli,

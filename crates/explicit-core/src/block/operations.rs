@@ -1,6 +1,6 @@
 //! What a block does to all of its batches at a step.
 
-use powerhouse_model::{ElementKernel, Geometry, LawEnergy, Quad, Stress};
+use powerhouse_model::{ElasticDomain, ElementKernel, Geometry, LawEnergy, Quad, Strain, Stress};
 
 use super::account::StepSums;
 use super::batches::Batches;
@@ -137,6 +137,8 @@ pub(super) struct Books<'a, S> {
 pub(super) struct Material<'a, K, A: BatchScalar, S, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) law: &'a dyn BatchLaw<S>,
+    /// Stresses under which it need not be asked.
+    pub(super) domain: Option<&'a ElasticDomain>,
     pub(super) lanes: Lanes,
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
@@ -175,6 +177,7 @@ where
             let place = index % at_once;
             if place == 0 {
                 let some = at_once.min(count - index);
+                let mut inside = self.domain.filter(|_| !wants_energy);
                 for ahead in 0..some {
                     let batch =
                         (self.batches).batch(index + ahead, L::WIDTH, self.kernel.geometry_len());
@@ -193,8 +196,16 @@ where
                             strains[p].0[i].store(&mut passed.0.strains[ahead][p][i]);
                         }
                     }
+                    if let Some(domain) = inside {
+                        let stresses = &mut passed.0.stresses[ahead];
+                        if !self.answers_elastically(domain, index + ahead, &strains, stresses) {
+                            inside = None;
+                        }
+                    }
                 }
-                told = self.ask::<L>(index, some, wants_energy, &mut passed.0);
+                if inside.is_none() {
+                    told = self.ask::<L>(index, some, wants_energy, &mut passed.0);
+                }
             }
             let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
             let geometry = Geometry::<L>::new(token, batch.geometry);
@@ -325,6 +336,47 @@ where
     A: BatchScalar,
     S: BatchScalar,
 {
+    /// Whether a batch has no history yet and is surely elastic; then its stresses are written, and
+    /// the law need not be asked.
+    #[inline(always)]
+    fn answers_elastically<L: BatchLane<Scalar = S>>(
+        &mut self,
+        domain: &ElasticDomain,
+        batch: usize,
+        strains: &[Strain<L>; P],
+        stresses: &mut [PointNumbers<S, 6>; P],
+    ) -> bool {
+        if let Memory::Write(history) = &mut self.history {
+            history.retry(batch);
+        }
+        if self.history.get().committed(batch).is_some() {
+            return false;
+        }
+        let zero = strains[0].0[0].constant(0.0);
+        let (lambda, shear) = (
+            zero.constant(self.moduli.lambda),
+            zero.constant(self.moduli.shear),
+        );
+        let mut initially = Stress([zero; 6]);
+        if let Some(initial) = self.state.initial.get(6 * batch * L::WIDTH..)
+            && !initial.is_empty()
+        {
+            for i in 0..6 {
+                initially.0[i] = L::load(zero.token(), &initial[i * L::WIDTH..]);
+            }
+        }
+        for p in 0..P {
+            let change = Stress::elastic(lambda, shear, &strains[p]);
+            if !domain.contains(&(initially + change)) {
+                return false;
+            }
+            for i in 0..6 {
+                change.0[i].store(&mut stresses[p][i]);
+            }
+        }
+        true
+    }
+
     /// Asks the law for successive batches, whose strains are there already; writes the new
     /// histories. Yields whether energies were wanted and told.
     #[inline(always)]

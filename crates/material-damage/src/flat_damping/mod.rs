@@ -5,8 +5,8 @@ mod spectrum;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Strain, Stress,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
+    ModelError, ParameterError, Strain, Stress,
 };
 
 use crate::history::strain;
@@ -261,6 +261,12 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     }
     fn relaxes(&self) -> bool {
         self.spectrum.is_some()
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        match &self.spectrum {
+            Some(_) => None,
+            None => self.reference.elastic_domain(),
+        }
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         self.reference.accept_size(size)

@@ -1,10 +1,10 @@
 //! The amount of flow that brings a trial back to a surface which softens meanwhile.
 
-use powerhouse_model::{Lane, each};
+use powerhouse_model::{Lane, Scalar, each};
 
 use super::{LeeFenves, ROOT_3};
 use crate::plastic_damage::share_of_tension;
-use crate::root::{Function, rounding, zero_between};
+use crate::root::{Function, zero_between};
 use crate::surface::far_lanes;
 
 /// A trial of the effective stress.
@@ -153,7 +153,7 @@ impl LeeFenves {
         let size = trial.mean.abs() + trial.shear;
         let tension = (trial.mean + trial.deviators[0]).max(zero);
         let terms = number(4.0) * size / compressive + tension / tensile + number(1.0);
-        let tolerance = number(2.0 * rounding::<L>()) * terms;
+        let tolerance = number(2.0 * L::Scalar::EPSILON) * terms;
         zero_between([first, at_first], [last, at_last], tolerance, &outside)
     }
 }

@@ -4,8 +4,8 @@ mod flow;
 mod linearised;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Stress, array, each,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
+    ModelError, ParameterError, Stress, array, each,
 };
 
 use crate::dual::Dual;
@@ -16,7 +16,7 @@ use crate::plastic_damage::{
     share_of_tension, weaken,
 };
 use crate::softening::check_size;
-use crate::surface::{YieldState, mean_and_shear, stiffened};
+use crate::surface::{YieldState, stiffened};
 use crate::uniaxial::UniaxialCurve;
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
 use flow::Trial;
@@ -207,7 +207,7 @@ impl LeeFenves {
     /// The yield function of an effective stress with a history in an element of a width (m),
     /// divided by the effective compressive strength: positive outside.
     pub fn yield_function(&self, effective: &Stress, history: &[f64], size: f64) -> f64 {
-        let (mean, shear) = mean_and_shear(effective);
+        let (mean, shear) = effective.mean_and_shear();
         let greatest = PrincipalAxes::of(effective).values[0];
         let strains = [history[TENSION], history[COMPRESSION]];
         let rates = [self.tension.rate(size), self.compression.rate(size)];
@@ -283,7 +283,7 @@ impl ConstitutiveLaw for LeeFenves {
         history::keep::<L, { HISTORY.len() }>(old, new_history);
         new_history[YIELD_STATE] = zero;
 
-        let (mean, shear) = mean_and_shear(&stress);
+        let (mean, shear) = stress.mean_and_shear();
         // Zero, or NaN where squares are beyond the range of numbers: no yield function is known.
         let finite = shear * zero;
         for normal in &mut change.0[..3] {
@@ -390,6 +390,19 @@ impl ConstitutiveLaw for LeeFenves {
             tension,
             [p.stiffness_recovery, p.residual_stiffness],
         )
+    }
+    /// The yield function has one slope along the greatest stress where that is tensile and another
+    /// where it is not; the domain lies within both, and the greatest stress below its bound.
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        let (tensile, compressive) = (self.tension.limit(), self.compression.limit());
+        let strength = (1.0 - self.biaxial) * compressive;
+        let pulled = strength / tensile - (1.0 + self.biaxial);
+        let part = |domain: ElasticDomain, slope: f64| {
+            let mean = 3.0 * self.biaxial + slope;
+            domain.within(mean, ROOT_3 + slope * 2.0 / ROOT_3, strength)
+        };
+        let domain = part(ElasticDomain::EVERYTHING, pulled);
+        Some(part(domain, self.confined))
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {

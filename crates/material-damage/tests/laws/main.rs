@@ -3,6 +3,7 @@
 mod consistency;
 mod driver;
 mod drucker_prager;
+mod elastic_domain;
 mod exhaustive;
 mod extremes;
 mod flat_damping;

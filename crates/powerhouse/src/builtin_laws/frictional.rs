@@ -18,18 +18,18 @@ pub(super) fn register(registry: &mut Registry) {
     registry.add_law("mohr-coulomb", |keys: MohrCoulombKeys| {
         let (surface, doubts) = keys.frictional()?.mohr_coulomb()?;
         let material = match keys.softening {
-            None => Material::in_series(ElastoPlastic::new(surface)),
-            Some(keys) => Material::in_series(keys.law(surface)?),
+            None => Material::from(ElastoPlastic::new(surface)),
+            Some(keys) => Material::from(keys.law(surface)?),
         };
         Ok(material.with_doubts(doubts))
     });
     registry.add_law("drucker-prager", |keys: DruckerPragerKeys| {
         let (surface, doubts) = keys.frictional()?.drucker_prager(keys.fit)?;
-        Ok(Material::in_series(ElastoPlastic::new(surface)).with_doubts(doubts))
+        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
     });
     registry.add_law("two-surface", |keys: TwoSurfaceKeys| {
         let (surface, doubts) = keys.frictional()?.two_surface()?;
-        Ok(Material::in_series(ElastoPlastic::new(surface)).with_doubts(doubts))
+        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
     });
 }
 

@@ -57,6 +57,6 @@ impl HoekBrownKeys {
             self.compressive_strength.map(Positive::get),
         ];
         let doubts = surface.findings(listed);
-        Ok(Material::in_series(ElastoPlastic::new(surface)).with_doubts(doubts))
+        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
     }
 }

@@ -128,6 +128,6 @@ impl LeeFenvesKeys {
         });
         let law = law.map_err(placed)?;
         let doubts = law.findings();
-        Ok(Material::in_series(law).with_doubts(doubts))
+        Ok(Material::from(law).with_doubts(doubts))
     }
 }

@@ -134,6 +134,6 @@ impl MazarsKeys {
                 .map_or(RESIDUAL_STIFFNESS, Share::get),
         });
         let doubts = Finding::of_medium(&medium);
-        Ok(Material::in_series(law.map_err(placed)?).with_doubts(doubts))
+        Ok(Material::from(law.map_err(placed)?).with_doubts(doubts))
     }
 }

@@ -96,7 +96,10 @@ impl PlasticDamageKeys {
     fn on<S: YieldSurface>(
         &self,
         (surface, findings): (S, Vec<Finding>),
-    ) -> Result<Material, ModelError> {
+    ) -> Result<Material, ModelError>
+    where
+        Material: From<PlasticDamage<S>>,
+    {
         let preset = self.preset.map(Preset::concrete).transpose()?.flatten();
         let preset = preset.as_ref().map(PlasticDamage::parameters);
         let softening = |own: Option<SofteningKeys>, of: Option<Softening>, key| match own {
@@ -120,6 +123,6 @@ impl PlasticDamageKeys {
                 .or(preset.map(|p| p.residual_stiffness))
                 .unwrap_or(RESIDUAL_STIFFNESS),
         });
-        Ok(Material::in_series(law.map_err(placed)?).with_doubts(findings))
+        Ok(Material::from(law.map_err(placed)?).with_doubts(findings))
     }
 }

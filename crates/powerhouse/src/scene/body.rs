@@ -29,16 +29,16 @@ impl Piece {
         let mut options = BlockOptions::default();
         options.precision = precision;
         options.damping = self.damping;
-        self.kernel.blocks(&part.set, &self.material, options)
+        self.kernel.factory(&part.set, &self.material, options)
     }
     /// Blocks as they rest: undamped, in double precision, of the part's own material or another.
     pub(crate) fn resting(&self, part: &Part, other: Option<&Material>) -> Box<dyn BlockFactory> {
         let own = other.unwrap_or(&part.material);
         let options = BlockOptions::default();
         if self.rim {
-            return self.kernel.blocks(&part.set, &own.elastic(), options);
+            return self.kernel.factory(&part.set, &own.elastic(), options);
         }
-        self.kernel.blocks(&part.set, own, options)
+        self.kernel.factory(&part.set, own, options)
     }
 }
 

@@ -129,7 +129,7 @@ pub enum InitialMotion {
 /// let pulse = Arc::new(SmoothPulse::new(0.01, 0.8)?);
 /// let wave = PlaneWave::new(PlaneWaveParameters::vertical(WaveKind::P, media::ROCK, 400.0), pulse)?;
 /// let scene = Scene::new("box", mesh)
-///     .part(Part::new("rock", Material::new(LinearElastic::new(media::ROCK))))
+///     .part(Part::new("rock", Material::from(LinearElastic::new(media::ROCK))))
 ///     .field(wave)
 ///     .boundary(Boundary::new(
 ///         ViscousSpring::default(),

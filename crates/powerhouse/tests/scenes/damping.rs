@@ -29,7 +29,7 @@ fn flat(mechanisms: usize, reference: ReferenceFrequency) -> Damping {
 }
 
 fn elastic() -> Material {
-    Material::in_series(LinearElastic::new(ROCK))
+    Material::from(LinearElastic::new(ROCK))
 }
 
 /// Rock that yields under the cube's wave.
@@ -39,7 +39,7 @@ fn weak() -> Material {
         tension_strength: Some(1.0e4),
         ..presets::PAPER_ROCK
     });
-    Material::in_series(ElastoPlastic::new(surface.unwrap()))
+    Material::from(ElastoPlastic::new(surface.unwrap()))
 }
 
 const WEAK: &str =

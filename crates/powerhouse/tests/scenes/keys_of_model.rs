@@ -149,7 +149,7 @@ fn supports() {
 fn damped(damping: Rayleigh) -> Scene {
     let scene = cube_scene();
     let boundary = scene.absorbing_boundary().unwrap().clone();
-    let rock = Material::new(LinearElastic::new(ROCK));
+    let rock = Material::from(LinearElastic::new(ROCK));
     Scene::new("cube", cube())
         .part(
             Part::new("rock", rock)
@@ -246,7 +246,7 @@ fn boundaries() {
         let plan = base.output_plan().clone();
         Scene::new("cube", cube())
             .part(
-                Part::new("rock", Material::new(LinearElastic::new(ROCK)))
+                Part::new("rock", Material::from(LinearElastic::new(ROCK)))
                     .kernel(SolidKernel::Hex8Full),
             )
             .shared_field(field)

@@ -32,7 +32,7 @@ fn cracking() -> Material {
         stiffness_recovery: 1.0,
         residual_stiffness: 1e-2,
     });
-    Material::new(law.unwrap())
+    Material::from(law.unwrap())
 }
 
 /// With yielding and damage the energy balance closes to rounding, plastic and damage energy never

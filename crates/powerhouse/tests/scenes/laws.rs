@@ -71,7 +71,7 @@ fn laws_of_a_file_are_those_of_rust() {
             compression_rate: 1e4,
             residual_stiffness: 0.01,
         });
-        Material::new(law.unwrap())
+        Material::from(law.unwrap())
     };
     let mass = HoekBrown::new(HoekBrownParameters {
         medium: ROCK,
@@ -112,38 +112,38 @@ fn laws_of_a_file_are_those_of_rust() {
             stiffness_recovery: recovery,
             residual_stiffness: residual,
         };
-        Material::new(PlasticDamage::new(parameters).unwrap())
+        Material::from(PlasticDamage::new(parameters).unwrap())
     };
     let weak = "preset = \"paper-rock\"\ncohesion = 2e4\ntensile_strength = 1e4\n";
     let rock = "young = 9e9\npoisson = 0.27\ndensity = 2750\n";
     let cases = [
         (
             format!("law = \"mohr-coulomb\"\n{weak}"),
-            Material::new(ElastoPlastic::new(surface())),
+            Material::from(ElastoPlastic::new(surface())),
         ),
         (
             format!("law = \"mohr-coulomb\"\n{weak}softening = {{ rate = 2e3, residual = 0.1 }}\n"),
-            Material::new(softening(StrengthFall::Rate(2e3), 0.1)),
+            Material::from(softening(StrengthFall::Rate(2e3), 0.1)),
         ),
         (
             format!(
                 "law = \"mohr-coulomb\"\n{weak}softening = {{ fracture_energy = 2e3, residual = 0.3 }}\n"
             ),
-            Material::new(softening(StrengthFall::FractureEnergy { energy: 2e3 }, 0.3)),
+            Material::from(softening(StrengthFall::FractureEnergy { energy: 2e3 }, 0.3)),
         ),
         (
             format!(
                 "law = \"drucker-prager\"\n{rock}friction = 42\ndilation = 10\ncohesion = 2e4\nfit = \"plane-strain\"\n"
             ),
-            Material::new(ElastoPlastic::new(cone(ConeFit::PlaneStrain, 10.0))),
+            Material::from(ElastoPlastic::new(cone(ConeFit::PlaneStrain, 10.0))),
         ),
         (
             format!("law = \"drucker-prager\"\n{weak}"),
-            Material::new(ElastoPlastic::new(cone(ConeFit::Inscribed, 0.0))),
+            Material::from(ElastoPlastic::new(cone(ConeFit::Inscribed, 0.0))),
         ),
         (
             format!("law = \"two-surface\"\n{weak}compressive_strength = 2e5\n"),
-            Material::new(ElastoPlastic::new(listed.unwrap())),
+            Material::from(ElastoPlastic::new(listed.unwrap())),
         ),
         (
             format!(
@@ -182,19 +182,19 @@ fn laws_of_a_file_are_those_of_rust() {
             format!(
                 "law = \"hoek-brown\"\n{rock}intact_strength = 3e5\nintact_constant = 12\nstrength_index = 40\ndisturbance = 0.2\ndilation_share = 0.5\n"
             ),
-            Material::new(ElastoPlastic::new(mass.unwrap())),
+            Material::from(ElastoPlastic::new(mass.unwrap())),
         ),
         (
             format!(
                 "law = \"lee-fenves\"\n{rock}tensile_strength = 1e4\ncompressive_strength = 8e4\ncompressive_limit = 4e4\nbiaxial_ratio = 1.12\nmeridian_ratio = 0.7\ndilation = 30\ntension = {{ fracture_energy = 1e5, damage = 0.8 }}\ncompression = {{ fracture_energy = 1e6, damage = 0.4 }}\nstiffness_recovery = 0.9\nresidual_stiffness = 0.01\n"
             ),
-            Material::new(crushed.unwrap()),
+            Material::from(crushed.unwrap()),
         ),
         (
             format!(
                 "law = \"lee-fenves\"\npreset = \"paper-c25\"\n{rock}tensile_strength = 1e4\ncompressive_strength = 8e4\ntension = {{ fracture_energy = 1e5 }}\n"
             ),
-            Material::new(usual.unwrap()),
+            Material::from(usual.unwrap()),
         ),
     ];
     let elastic = run(cube_scene());
@@ -407,7 +407,7 @@ fn elements_that_snap_back_are_refused() {
         panic!("a cut makes a cube of 50 m elements acceptable");
     };
     assert_eq!(fault.position(), (12, 12), "{fault}");
-    let twin = cube_scene_made_of(cube(), &["rock"], &Material::new(law));
+    let twin = cube_scene_made_of(cube(), &["rock"], &Material::from(law));
     let Err(error) = twin.prepare() else {
         panic!("the twin is accepted");
     };
@@ -427,7 +427,7 @@ fn elements_that_snap_back_are_refused() {
         let mesh = cube().map_positions(|x| x * scale).unwrap();
         let scene = powerhouse::Scene::new("small", mesh);
         scene
-            .part(powerhouse::Part::new("rock", Material::new(law)))
+            .part(powerhouse::Part::new("rock", Material::from(law)))
             .prepare()
     };
     assert!(small(0.99).is_ok() && small(1.01).is_err());

@@ -255,7 +255,7 @@ fn a_stopped_run_leaves_complete_output() {
 /// What does not fit together is refused before the run, by name.
 #[test]
 fn misfits_are_refused_by_name() {
-    let rock = || Material::new(LinearElastic::new(ROCK));
+    let rock = || Material::from(LinearElastic::new(ROCK));
     let no_part = Scene::new("none", cube()).prepare();
     assert!(matches!(
         no_part,
@@ -393,7 +393,7 @@ fn engine_supports_go_into_the_builder() {
     let mesh = cube();
     let nodes = mesh.nodes_of_facets(mesh.facet_set("bottom").unwrap());
     let scene = Scene::new("held", mesh)
-        .part(Part::new("rock", Material::new(LinearElastic::new(ROCK))))
+        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
         .support(Support::fixed(nodes))
         .gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 0.05).min(1.0))
         .duration(0.05)

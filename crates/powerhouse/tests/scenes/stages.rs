@@ -166,8 +166,8 @@ fn read(folder: &Folder, text: &str) -> Result<Scene, Error> {
 
 /// The scene without bolts and stages, composed in Rust.
 fn ground(mesh: Mesh) -> Scene {
-    let rock = Material::new(LinearElastic::new(ROCK));
-    let concrete = Material::new(LinearElastic::new(CONCRETE));
+    let rock = Material::from(LinearElastic::new(ROCK));
+    let concrete = Material::from(LinearElastic::new(CONCRETE));
     let corner = Vec3::new(2.0, 4.0, 12.0);
     let mut output = OutputPlan::default().history("corner", corner, Motion::ALL);
     output.every = 0.01;
@@ -189,7 +189,7 @@ fn ground(mesh: Mesh) -> Scene {
 /// The first stage on rollers.
 fn on_rollers(mesh: &Mesh) -> SceneStage {
     let axes = [Vec3::x(), Vec3::x(), Vec3::y(), Vec3::y(), Vec3::z()];
-    let stage = SceneStage::new("ground").part("lining", Material::new(LinearElastic::new(ROCK)));
+    let stage = SceneStage::new("ground").part("lining", Material::from(LinearElastic::new(ROCK)));
     SIDES.iter().zip(axes).fold(stage, |stage, (side, normal)| {
         let nodes = mesh.nodes_of_facets(mesh.facet_set(side).unwrap());
         stage.support(Support::roller(nodes, normal))
@@ -387,7 +387,7 @@ fn stages_are_shown_as_they_come_to_rest() {
         .stage(
             SceneStage::new("filled")
                 .cast("inner")
-                .part("lining", Material::new(LinearElastic::new(CONCRETE))),
+                .part("lining", Material::from(LinearElastic::new(CONCRETE))),
         );
     let overviews = scene.stage_overviews().unwrap();
     let counts: Vec<[usize; 4]> = (overviews.iter())

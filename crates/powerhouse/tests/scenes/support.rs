@@ -100,7 +100,7 @@ pub(crate) fn cube_scene_on(mesh: Mesh) -> Scene {
 
 /// The same with rock in several sets.
 pub(crate) fn cube_scene_of(mesh: Mesh, sets: &[&str]) -> Scene {
-    cube_scene_made_of(mesh, sets, &Material::new(LinearElastic::new(ROCK)))
+    cube_scene_made_of(mesh, sets, &Material::from(LinearElastic::new(ROCK)))
 }
 
 /// The same of another material.

@@ -157,7 +157,7 @@ fn wave(parameters: PlaneWaveParameters) -> PlaneWave {
 
 fn scene_of(field: impl IncidentField + 'static, faces: &[&str]) -> Scene {
     Scene::new("cube", cube())
-        .part(Part::new("rock", Material::new(LinearElastic::new(ROCK))))
+        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
         .field(field)
         .boundary(Boundary::new(
             ViscousSpring::default(),
@@ -200,7 +200,7 @@ fn composed_scenes_are_guarded_too() {
         stiffness: 0.0,
     };
     let damped = Scene::new("damped", cube())
-        .part(Part::new("rock", Material::new(LinearElastic::new(ROCK))).damping(damping))
+        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))).damping(damping))
         .field(wave(vertical(WaveKind::P)))
         .boundary(Boundary::new(ViscousSpring::default(), SIDES))
         .prepare()
@@ -267,7 +267,7 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
             x - Vec3::new(0.0, 0.0, 20.0 * share * (1.0 + x.z / 300.0))
         };
         let mesh = cube().map_positions(lowered).unwrap();
-        let rock = Material::new(LinearElastic::new(ROCK));
+        let rock = Material::from(LinearElastic::new(ROCK));
         Scene::new("valley", mesh)
             .part(Part::new("rock", rock).kernel(SolidKernel::Hex8Full))
             .field(field(30.0, 0.0))
@@ -282,7 +282,7 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
         x - Vec3::new(0.0, 0.0, 20.0 * share * (1.0 + x.z / 300.0))
     });
     let inside = Scene::new("hollow", hidden.unwrap())
-        .part(Part::new("rock", Material::new(LinearElastic::new(ROCK))))
+        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
         .field(field(30.0, 0.0))
         .boundary(Boundary::new(Viscous::default(), SIDES))
         .duration(0.6);
@@ -336,7 +336,7 @@ fn faces_inside_and_idle_fields_are_refused() {
     let in_middle = |facet: &Facet| (mesh.facet_geometry(*facet).centroid.x - 150.0).abs() < 1e-6;
     let middle = left_half.into_iter().filter(in_middle).collect();
     mesh.set_facet_set("middle", middle).unwrap();
-    let rock = || Part::new("rock", Material::new(LinearElastic::new(ROCK)));
+    let rock = || Part::new("rock", Material::from(LinearElastic::new(ROCK)));
     let inner = Scene::new("inner", mesh)
         .part(rock())
         .boundary(Boundary::new(Viscous::default(), ["middle"]));

@@ -1,0 +1,36 @@
+//! Laws of the software as materials.
+
+use powerhouse_material_damage::{
+    DruckerPrager, ElastoPlastic, HoekBrown, LeeFenves, LinearElastic, Mazars, MohrCoulomb,
+    PlasticDamage, SofteningPlasticity, TwoSurface,
+};
+
+use crate::Material;
+
+/// Makes materials of laws. A law is compiled for every kind of lane, which takes long: once here, and
+/// not again in every program that uses it.
+macro_rules! known {
+    ($($law:ty),+ $(,)?) => {
+        $(
+            impl From<$law> for Material {
+                fn from(law: $law) -> Self {
+                    Self::in_series(law)
+                }
+            }
+        )+
+    };
+}
+
+known![
+    LinearElastic,
+    ElastoPlastic<MohrCoulomb>,
+    ElastoPlastic<DruckerPrager>,
+    ElastoPlastic<TwoSurface>,
+    ElastoPlastic<HoekBrown>,
+    SofteningPlasticity<MohrCoulomb>,
+    PlasticDamage<MohrCoulomb>,
+    PlasticDamage<DruckerPrager>,
+    PlasticDamage<TwoSurface>,
+    LeeFenves,
+    Mazars,
+];
