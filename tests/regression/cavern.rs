@@ -10,9 +10,11 @@ use powerhouse::{Results, RunHooks, Scene};
 const DURATION: f64 = 3.0;
 /// Every which sample is stored.
 const EVERY: usize = 20;
-/// What a sample may move by, as a share of the largest of its unit: far above the rounding of a
-/// library function on another processor, far below any change of method.
-const TOLERANCE: f64 = 1e-9;
+/// What a sample may move by, as a share of the largest of its unit. Accelerations are the least
+/// certain: rounding of displacements of 0.2 m leaves 1e-9 of noise in them, as those across the plane
+/// of the motion show, which are zero by symmetry; an undamped body keeps it. Any change of method
+/// moves samples by far more.
+const TOLERANCE: f64 = 1e-8;
 
 fn shelf() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("regression")

@@ -13,6 +13,7 @@ macro_rules! known {
     ($($law:ty),+ $(,)?) => {
         $(
             impl From<$law> for Material {
+                #[inline(never)]
                 fn from(law: $law) -> Self {
                     Self::in_series(law)
                 }
