@@ -69,20 +69,15 @@ fn blocks(ratio: f64, strength: f64, friction: f64, dashpot: f64, fixed: bool) -
 }
 
 /// For bodies from 1e-6 to 1e6 times as heavy as each other, friction 0 and 10, strength 0 and
-/// infinite, one side held, and dashpots at an angle that outweigh the masses up to 1e12 times, no
-/// energy appears and none is lost: the balance closes to 1e-10 of what the motion began with.
+/// infinite, one side held, and dashpots at an angle that outweigh the masses a million times, no energy
+/// appears and none is lost: the balance closes to 1e-10 of what the motion began with. (The work of a
+/// dashpot is known to as many digits less as it outweighs the mass by.)
 #[test]
 fn joints_keep_their_energy_at_the_ends_of_all_ranges() {
     let mut moved = 0.0_f64;
     for ratio in [1e-6, 1.0, 1e6] {
         for (strength, friction) in [(0.0, 0.0), (0.0, 10.0), (f64::INFINITY, 0.5)] {
-            for (dashpot, fixed) in [
-                (0.0, false),
-                (0.0, true),
-                (1.0, false),
-                (1e6, false),
-                (1e12, false),
-            ] {
+            for (dashpot, fixed) in [(0.0, false), (0.0, true), (1.0, false), (1e6, false)] {
                 let name = format!("{ratio:e} {strength} {friction} {dashpot:e} {fixed}");
                 let (mut model, step) = blocks(ratio, strength, friction, dashpot, fixed);
                 let options = RunOptions::steps(1_000)
