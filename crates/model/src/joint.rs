@@ -80,58 +80,33 @@ pub trait ContactLaw: Send + Sync {
     fn sliding_strength(&self, normal: f64, state: &JointState) -> f64;
 }
 
-impl<L: ContactLaw + ?Sized> ContactLaw for Box<L> {
-    fn name(&self) -> &str {
-        (**self).name()
-    }
-    fn initial(&self) -> JointState {
-        (**self).initial()
-    }
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-        (**self).admissible(trial, state)
-    }
-    #[inline(always)]
-    fn admit(&self, tractions: &mut [Vec3], states: &mut [JointState]) {
-        (**self).admit(tractions, states)
-    }
-    fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
-        (**self).sliding_strength(normal, state)
-    }
+/// A law behind a pointer is the law: every question goes on, that for many pairs as one call.
+macro_rules! law_behind {
+    ($($pointer:ty),+) => {
+        $(
+            impl<L: ContactLaw + ?Sized> ContactLaw for $pointer {
+                fn name(&self) -> &str {
+                    (**self).name()
+                }
+                fn initial(&self) -> JointState {
+                    (**self).initial()
+                }
+                fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
+                    (**self).admissible(trial, state)
+                }
+                #[inline(always)]
+                fn admit(&self, tractions: &mut [Vec3], states: &mut [JointState]) {
+                    (**self).admit(tractions, states)
+                }
+                fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
+                    (**self).sliding_strength(normal, state)
+                }
+            }
+        )+
+    };
 }
 
-impl<L: ContactLaw + ?Sized> ContactLaw for std::sync::Arc<L> {
-    fn name(&self) -> &str {
-        (**self).name()
-    }
-    fn initial(&self) -> JointState {
-        (**self).initial()
-    }
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-        (**self).admissible(trial, state)
-    }
-    fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
-        (**self).sliding_strength(normal, state)
-    }
-}
-
-impl<L: ContactLaw + ?Sized> ContactLaw for &L {
-    fn name(&self) -> &str {
-        (**self).name()
-    }
-    fn initial(&self) -> JointState {
-        (**self).initial()
-    }
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-        (**self).admissible(trial, state)
-    }
-    #[inline(always)]
-    fn admit(&self, tractions: &mut [Vec3], states: &mut [JointState]) {
-        (**self).admit(tractions, states)
-    }
-    fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
-        (**self).sliding_strength(normal, state)
-    }
-}
+law_behind!(Box<L>, std::sync::Arc<L>, &L);
 
 /// Two nodes that face each other across a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -248,6 +223,48 @@ impl From<&JointView<'_>> for JointHistory {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::Arc;
+
+    /// Lets everything through and counts how it is asked.
+    #[derive(Default)]
+    struct Counting {
+        alone: AtomicUsize,
+        together: AtomicUsize,
+    }
+
+    impl ContactLaw for Counting {
+        fn name(&self) -> &str {
+            "counting"
+        }
+        fn initial(&self) -> JointState {
+            JointState::default()
+        }
+        fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
+            self.alone.fetch_add(1, Ordering::Relaxed);
+            (trial, *state)
+        }
+        fn admit(&self, _tractions: &mut [Vec3], _states: &mut [JointState]) {
+            self.together.fetch_add(1, Ordering::Relaxed);
+        }
+        fn sliding_strength(&self, _normal: f64, _state: &JointState) -> f64 {
+            0.0
+        }
+    }
+
+    /// Behind every pointer a law is asked once for many pairs, and not pair by pair.
+    #[test]
+    fn a_law_behind_a_pointer_is_asked_once_for_many_pairs() {
+        fn ask(law: impl ContactLaw) {
+            law.admit(&mut [Vec3::zeros(); 3], &mut [JointState::default(); 3]);
+        }
+        let law = Arc::new(Counting::default());
+        ask(law.as_ref() as &dyn ContactLaw);
+        ask(law.clone() as Arc<dyn ContactLaw>);
+        ask(Box::new(law.clone()) as Box<dyn ContactLaw>);
+        let counts = [&law.alone, &law.together].map(|count| count.load(Ordering::Relaxed));
+        assert_eq!(counts, [0, 3]);
+    }
 
     /// Components along normal and tangents give the vector back, for normals in any direction.
     #[test]
