@@ -10,9 +10,39 @@ use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use powerhouse_model::{Lane, NodalScalar};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::LaneWidth;
+#[cfg(all(debug_assertions, target_arch = "x86_64"))]
+use development::Arch;
+#[cfg(not(all(debug_assertions, target_arch = "x86_64")))]
+use pulp::Arch;
+
+/// What builds with debug assertions know of the processor: nothing wider than AVX2, which halves
+/// the time of their compilation. The width of lanes changes no bit of a result.
+#[cfg(all(debug_assertions, target_arch = "x86_64"))]
+mod development {
+    use pulp::{Scalar, Simd, WithSimd, x86::V3};
+
+    #[derive(Clone, Copy, Debug)]
+    pub(super) enum Arch {
+        Scalar,
+        V3(V3),
+    }
+
+    impl Arch {
+        pub(super) fn new() -> Self {
+            V3::try_new().map_or(Self::Scalar, Self::V3)
+        }
+        #[inline(always)]
+        pub(super) fn dispatch<O: WithSimd>(self, operation: O) -> O::Output {
+            match self {
+                Self::Scalar => Simd::vectorize(Scalar, operation),
+                Self::V3(avx2) => Simd::vectorize(avx2, operation),
+            }
+        }
+    }
+}
 
 /// More lanes than any instruction set has.
 pub(crate) const MOST_LANES: usize = 16;
