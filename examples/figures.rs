@@ -1,9 +1,15 @@
 //! How the examples print their figures: one per line, `figure NAME VALUE`, beside what is
 //! expected of it.
 
+pub mod cavity;
 pub mod column;
+pub mod reference;
+pub mod strip;
 
 use std::process::ExitCode;
+
+/// What an example gives, or why it cannot.
+pub type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// The figures of one example.
 #[derive(Debug, Default)]

@@ -1,9 +1,13 @@
-//! What is built on whole scenes: checks, predictions and the free-field self-check.
+//! What is built on whole scenes: checks, predictions, the free-field self-check, and meshes of
+//! sites with known answers.
 //!
 //! [`check`] looks at a scene without running it: mesh quality, the frequencies that its elements
 //! carry, the stable step and who limits it, and what a run will cost. [`FreeFieldCheck`] computes
 //! the scene's box without the structure and compares it with the field that comes in: what is left
 //! is the error of mesh, step and boundary, on which no result of the scene can improve.
+//!
+//! [`OpeningSlice`] and [`ShellOctant`] are meshes of ground around a round opening, for studies of
+//! what an opening does to waves and of what a boundary does to their results.
 //!
 //! # Why so
 //! *The self-check runs the scene's own parts.* The box takes its boundary, field and kernel from
@@ -20,7 +24,9 @@ mod cost;
 mod error;
 mod free_field;
 mod joints;
+mod opening_slice;
 mod resolution;
+mod shell_octant;
 mod sides;
 
 pub use check::{CheckReport, Warning, check, warnings};
@@ -28,4 +34,6 @@ pub use cost::Cost;
 pub use error::StudyError;
 pub use free_field::{FreeFieldCheck, FreeFieldReport, PointError};
 pub use joints::JointOverview;
+pub use opening_slice::OpeningSlice;
 pub use resolution::Resolution;
+pub use shell_octant::ShellOctant;

@@ -1,0 +1,150 @@
+//! A circular cavity under the surface of a half-space, as a slice in plane strain, for the examples
+//! of scattering.
+
+pub mod compare;
+
+use std::sync::Arc;
+
+use powerhouse::boundary::{AxisParameters, Spreading, ViscousSpring};
+use powerhouse::engine::Support;
+use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{ElasticMedium, Mesh, ParameterError, Vec3};
+use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, Signal, WaveKind};
+use powerhouse::{Boundary, InitialMotion, Material, OutputPlan, Part, RunHooks, Scene, TimeStep};
+use powerhouse_study::OpeningSlice;
+
+use crate::Outcome;
+
+/// Radius a of the cavity (m).
+pub const RADIUS: f64 = 2.0;
+/// Depth of its centre (m).
+pub const DEPTH: f64 = 1.5 * RADIUS;
+/// Samples per `a / cs`.
+pub const SAMPLES: usize = 10;
+/// Places on the surface: x = a/10 times -40 to 40.
+pub const STATIONS: core::ops::RangeInclusive<i32> = -40..=40;
+/// Angles on the wall from +x (degrees).
+pub const WALL: [i32; 3] = [90, 0, -90];
+
+/// The rock of example 2 of Wang, Chen & Xiao (2019).
+///
+/// # Errors
+/// None: its numbers are in range.
+pub fn rock() -> Result<ElasticMedium, ParameterError> {
+    ElasticMedium::new(9.0e9, 0.3456, 2750.0)
+}
+
+/// The time in which an S wave crosses the cavity's radius (s).
+///
+/// # Errors
+/// None: see [`rock`].
+pub fn unit_of_time() -> Result<f64, ParameterError> {
+    Ok(RADIUS / rock()?.s_speed())
+}
+
+/// What of the half-space is computed, and how finely; lengths in radii of the cavity.
+#[derive(Clone, Copy, Debug)]
+pub struct CavityModel {
+    /// Edge of the bricks around the cavity.
+    pub edge: f64,
+    /// Longest edges of the bricks far to its sides and far below it.
+    pub far: [f64; 2],
+    /// From the cavity to the sides.
+    pub half_width: f64,
+    /// From the surface to the bottom.
+    pub height: f64,
+    /// B of the boundary's dashpots.
+    pub speed_ratio: f64,
+}
+
+/// A wave that comes in; times in `a / cs`.
+#[derive(Clone)]
+pub struct Incoming {
+    /// Its kind.
+    pub kind: WaveKind,
+    /// Its angle from the vertical (degrees).
+    pub degrees: f64,
+    /// Its displacement at the surface above the cavity, were there none.
+    pub signal: Arc<dyn Signal>,
+    /// When the signal begins to move.
+    pub begin: f64,
+    /// When the run ends.
+    pub end: f64,
+}
+
+impl CavityModel {
+    /// The mesh.
+    ///
+    /// # Errors
+    /// A model in which the cavity finds no room.
+    pub fn mesh(&self) -> Outcome<Mesh> {
+        let slice = OpeningSlice {
+            radius: RADIUS,
+            depth: DEPTH,
+            half_width: self.half_width * RADIUS,
+            height: self.height * RADIUS,
+            fine: self.edge * RADIUS,
+            coarse: self.far.map(|edge| edge * RADIUS),
+            growth: 1.0 + 0.5 * self.edge,
+        };
+        Ok(slice.mesh()?)
+    }
+
+    /// Displacements of the stations, `s-40.ux` and so on, and of the wall, `w90.ux` and so on,
+    /// under a wave.
+    ///
+    /// # Errors
+    /// What keeps the scene from running.
+    pub fn motion(&self, wave: &Incoming) -> Outcome<HistoryTable> {
+        let mesh = self.mesh()?;
+        let rock = rock()?;
+        let mut parameters = PlaneWaveParameters::vertical(wave.kind, rock, 0.0);
+        parameters.incidence = Angle::from_degrees(wave.degrees);
+        let sine = wave.degrees.to_radians().sin();
+        let field = PlaneWave::new(parameters, wave.signal.clone())?;
+
+        // Both cuts on rollers: plane strain. Scattered waves spread along circles, not spheres.
+        let cuts = [mesh.facet_set("front")?, mesh.facet_set("back")?].concat();
+        let plane_strain = Support::roller(mesh.nodes_of_facets(&cuts), Vec3::y());
+        let springs = ViscousSpring {
+            axes: [AxisParameters::new(0.8, self.speed_ratio, None)?; 3],
+            spreading: Spreading::Cylindrical,
+            ..ViscousSpring::default()
+        };
+        let boundary = Boundary::new(springs, ["left", "right", "bottom"])
+            .scatterer(Vec3::new(0.0, 0.0, -DEPTH));
+
+        let unit = unit_of_time()?;
+        let sample = unit / SAMPLES as f64;
+        // An S wave passes the farthest corner this early.
+        let ahead = (self.height + self.half_width * sine).ceil();
+        let mut output = OutputPlan {
+            every: sample,
+            ..OutputPlan::default()
+        };
+        for station in STATIONS {
+            let place = Vec3::new(0.1 * RADIUS * f64::from(station), 0.0, 0.0);
+            output = output.history(&format!("s{station}"), place, Motion::DISPLACEMENT);
+        }
+        for degrees in WALL {
+            let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
+            let place = Vec3::new(RADIUS * cosine, 0.0, RADIUS * sine - DEPTH);
+            let spot = Spot::at(place).within(0.1 * RADIUS);
+            output = output.history(&format!("w{degrees}"), spot, Motion::DISPLACEMENT);
+        }
+        let mut simulation = Scene::new("cavity", mesh)
+            .part(Part::new("rock", Material::from(LinearElastic::new(rock))))
+            .support(plane_strain)
+            .boundary(boundary)
+            .field(field)
+            .start((wave.begin - ahead) * unit, InitialMotion::Field)
+            .duration((wave.end - wave.begin + ahead) * unit)
+            .output(output)
+            .prepare()?;
+        // A whole number of steps between samples.
+        let stable = simulation.stable_step()?.step;
+        simulation.set_step(TimeStep::Seconds(sample / (sample / stable).ceil()));
+        Ok(simulation.run(RunHooks::default())?.histories)
+    }
+}
