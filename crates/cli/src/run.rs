@@ -62,7 +62,7 @@ pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
         Ok(results) => (results, None),
         Err(Error::Failed { error, results }) => (*results, Some(error)),
         Err(Error::Interrupted { stage }) => {
-            println!("interrupted before the stage '{stage}': the body has not moved");
+            println!("interrupted in the stage '{stage}': the body has not moved");
             return Ok(ExitCode::from(INTERRUPTED));
         }
         Err(error) => return Err(error.into()),

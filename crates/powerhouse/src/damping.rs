@@ -37,8 +37,9 @@ pub enum Damping {
     None,
     /// In proportion to mass and stiffness.
     Rayleigh(Rayleigh),
-    /// By relaxation mechanisms in series with the law, the same at all frequencies of a band; the
-    /// material must be a law of the software (`Material::from`) or come from
+    /// By relaxation mechanisms in series with the law, the same at all frequencies of a band. What
+    /// stages leave at rest stays: there the material is as soft as it is at frequencies far below the
+    /// band ([`DampingCost::at_rest`]). The material must be a law of the software (`Material::from`) or come from
     /// [`Material::in_series`](crate::Material::in_series).
     Flat {
         /// The mechanisms.
@@ -77,6 +78,8 @@ pub struct DampingCost {
     pub deviation: f64,
     /// Speed of waves at the ends of the band, over that of the material.
     pub speeds: [f64; 2],
+    /// Stiffness at rest, as stages meet it, over that of the material.
+    pub at_rest: f64,
     /// The stable step of an element over that of one without damping.
     pub step: f64,
     /// Numbers that a point remembers more.
@@ -97,6 +100,7 @@ impl DampingCost {
             band,
             deviation: spectrum.deviation(),
             speeds: [speed(band.lowest), speed(band.highest)],
+            at_rest: at_reference.powi(-2),
             step: material.medium().p_speed() / damped.medium().p_speed(),
             variables: damped.history().len() - material.history().len(),
         })
@@ -115,11 +119,13 @@ impl fmt::Display for DampingCost {
             f,
             "{:.3} % of critical from {lowest} to {highest} Hz by {mechanisms} mechanisms, within {:.1} % of that; \
              waves travel {:.3} times as fast as the material says at {lowest} Hz, {:.3} times at {highest} Hz; \
+             at rest it is {:.3} times as stiff; \
              its elements permit {:.3} of the undamped step, each point remembers {} numbers more",
             100.0 * ratio,
             100.0 * self.deviation,
             self.speeds[0],
             self.speeds[1],
+            self.at_rest,
             self.step,
             self.variables,
         )

@@ -165,9 +165,9 @@ pub enum Error {
         source: StaticError,
     },
     /// A run that was stopped from outside before the body moved.
-    #[error("interrupted before the stage '{stage}'")]
+    #[error("interrupted in the stage '{stage}'")]
     Interrupted {
-        /// The stage that was next.
+        /// The stage that has not come to rest.
         stage: String,
     },
     /// A start from the field's motion, and no field.

@@ -1,6 +1,7 @@
 //! From a mesh and what the user says about it to a model.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use powerhouse_model::{
     BoundaryParts, BuildBlock, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad,
@@ -59,6 +60,7 @@ pub struct ModelBuilder<'a> {
     embedded: Vec<BuildBlock>,
     start: Start,
     threads: Option<usize>,
+    stop: Option<Arc<AtomicBool>>,
     part_size: Option<usize>,
 }
 
@@ -77,6 +79,7 @@ impl<'a> ModelBuilder<'a> {
             embedded: Vec::new(),
             start: Start::default(),
             threads: None,
+            stop: None,
             part_size: None,
         }
     }
@@ -155,6 +158,14 @@ impl<'a> ModelBuilder<'a> {
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
+        self
+    }
+    /// Ends static solutions with [`StaticError::Interrupted`](crate::StaticError::Interrupted) soon after
+    /// a flag is raised, such as that of an interrupt. Runs have
+    /// [observers](powerhouse_model::Observer) to end them.
+    #[must_use]
+    pub fn stop_on(mut self, flag: Arc<AtomicBool>) -> Self {
+        self.stop = Some(flag);
         self
     }
     /// Elements per block, at least one, instead of a sixteenth of the mesh (2048 to 16,384). Bits of
@@ -285,6 +296,7 @@ impl<'a> ModelBuilder<'a> {
             place_of_element,
             spectrum: None,
             pool,
+            stop: self.stop,
         };
         if let Some(state) = self.start.state {
             model.absent.clone_from(&state.absent);

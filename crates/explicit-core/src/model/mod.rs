@@ -9,6 +9,7 @@ mod start;
 
 use core::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
     Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Numbering, RunError, TimeFunction, Vec3,
@@ -101,6 +102,8 @@ pub struct Model {
     /// What is known of the spectrum.
     pub(crate) spectrum: Option<Spectrum>,
     pool: Option<Arc<rayon::ThreadPool>>,
+    /// Raised to end static solutions.
+    stop: Option<Arc<AtomicBool>>,
 }
 
 impl core::fmt::Debug for Model {
@@ -151,6 +154,11 @@ impl Model {
     /// The values of the prescribed motions at the present time (m).
     pub(crate) fn prescribed_values(&self) -> Vec<f64> {
         self.prescribed.iter().map(|f| f.value(self.time)).collect()
+    }
+
+    /// Whether static solutions are to end.
+    pub(crate) fn is_stopped(&self) -> bool {
+        (self.stop.as_ref()).is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
     /// Runs work in the model's own threads, or in those that all share: a thread of neither would

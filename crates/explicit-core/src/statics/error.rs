@@ -136,6 +136,9 @@ pub enum StaticError {
         /// That element's set.
         set: String,
     },
+    /// The flag was raised that the model [stops on](crate::ModelBuilder::stop_on).
+    #[error("interrupted")]
+    Interrupted,
     /// The conjugate gradients do not come to an end.
     #[error("the linear solver leaves {residual:.3e} after {products} products")]
     LinearSolver {

@@ -31,6 +31,7 @@ pub(super) fn solve(
         if size <= goal {
             return Ok((x, products));
         }
+        system.check_stop()?;
         let image = system.product(&direction);
         let curvature = dot(&direction, &image);
         if !(curvature > 0.0 && curvature.is_finite()) {

@@ -153,8 +153,17 @@ impl<'a> System<'a> {
         groups.flat_map(change).collect()
     }
 
+    /// Fails if the solution is to end.
+    pub(super) fn check_stop(&self) -> Result<(), StaticError> {
+        match self.model.is_stopped() {
+            true => Err(StaticError::Interrupted),
+            false => Ok(()),
+        }
+    }
+
     /// Computes the internal forces of a displacement, and the history that goes with them.
     pub(super) fn forces(&mut self, u: &[Vec3]) -> Result<(), StaticError> {
+        self.check_stop()?;
         with_nodes!(&mut self.model.nodes, arrays => put(&mut arrays.displacement, u));
         self.model.forces_at_rest(0.0)
     }

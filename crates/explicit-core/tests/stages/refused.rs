@@ -1,5 +1,8 @@
 //! Bodies that cannot come to rest.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use powerhouse_explicit_core::{Model, StaticError, StaticMethod, StaticOptions, Support};
 use powerhouse_model::{ElasticMedium, Mesh, Vec3};
 
@@ -57,5 +60,42 @@ fn what_nothing_holds_is_refused_by_name() {
             }
             other => panic!("{other}"),
         }
+    }
+}
+
+/// A raised flag ends a static solution by any method at once, and what was balanced before stays.
+#[test]
+fn a_solution_ends_when_a_flag_is_raised() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(6.0), [3, 3, 3], "all").unwrap();
+    let methods = [
+        StaticMethod::ConjugateGradients,
+        StaticMethod::DynamicRelaxation,
+    ];
+    for method in methods {
+        let flag = Arc::new(AtomicBool::new(false));
+        let mut model = Model::builder(&mesh)
+            .elements("all", elastic("all", rock()))
+            .gravity(GRAVITY, Box::new(|_: f64| 1.0))
+            .support(Support::fixed(face_nodes(&mesh, "bottom")))
+            .stop_on(flag.clone())
+            .build()
+            .unwrap();
+        let options = StaticOptions::default()
+            .with_method(method)
+            .with_increments(4);
+        let mut shares = Vec::new();
+        let ended = model.equilibrate(&options, &mut |progress| {
+            flag.store(progress.share > 0.5, Ordering::Relaxed);
+            shares.push(progress.share);
+        });
+        assert_eq!(ended, Err(StaticError::Interrupted));
+        assert_eq!(shares.iter().filter(|&&share| share > 0.5).count(), 1);
+        // Two increments of four stand.
+        let top = face_nodes(&mesh, "top")[0];
+        let half = model.displacement(top).z;
+        flag.store(false, Ordering::Relaxed);
+        model.equilibrate(&options, &mut |_| {}).unwrap();
+        let whole = model.displacement(top).z;
+        assert!((2.0 * half / whole - 1.0).abs() < 1.0e-6, "{half} {whole}");
     }
 }

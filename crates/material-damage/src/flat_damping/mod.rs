@@ -72,17 +72,20 @@ impl ReferenceFrequency {
 /// than undamped by `sqrt(M(inf) / |M(reference)|)`.
 ///
 /// History: that of the law, and six numbers of each mechanism: the strain of its dashpot at the
-/// end of the next step, as far as it is known.
+/// end of the next step, as far as it is known, over the share of a strain at rest that is.
 ///
-/// # Valid range
-/// Strain is measured from the start of the motion: a static stress before it is an initial
-/// stress, which does not relax. Damage acts on the sum, in effective stress. An engine asks
-/// [`for_step`](ConstitutiveLaw::for_step); without it the law is the static one.
+/// # At rest
+/// An engine asks [`for_step`](ConstitutiveLaw::for_step); without it the law is the static one:
+/// springs of `C_0` hold the stress, and the dashpots follow the elastic strain at once. A motion
+/// that starts from such a state starts from that stress, and it does not relax. `C_0` is softer
+/// than the law as it was given, unless the reference is [`Static`](ReferenceFrequency::Static). An
+/// initial stress relaxes as little. Damage acts on the sum, in effective stress.
 ///
 /// # Why so
 /// *Each mechanism is advanced exactly* for a strain that is linear within the step: passive for
 /// every step, and it takes six numbers, because what is known at the end of a step is folded
-/// into one.
+/// into one. *That one is scaled to be the elastic strain itself at rest*, whatever the step: a static
+/// stage needs to know nothing of the steps that follow.
 ///
 /// ```
 /// use powerhouse_material_damage::*;
@@ -107,8 +110,7 @@ pub struct FlatDamping<M> {
     relaxed: f64,
     medium: ElasticMedium,
     variables: Arc<[HistoryVariable]>,
-    /// None for the static law.
-    terms: Option<Terms>,
+    terms: Terms,
 }
 
 /// Factors of the mechanisms in a step.
@@ -119,11 +121,37 @@ struct Terms {
     viscous: [f64; MOST_MECHANISMS],
     /// Of what a mechanism keeps, in the next step.
     kept: [f64; MOST_MECHANISMS],
-    /// Of the elastic strain, in the next step.
+    /// Of the elastic strain, in the next step: what is not kept.
     gained: [f64; MOST_MECHANISMS],
 }
 
 impl Terms {
+    /// Mechanisms that follow the elastic strain at once and take none of the stress.
+    fn at_rest(count: usize) -> Self {
+        Self {
+            count,
+            viscous: [0.0; MOST_MECHANISMS],
+            kept: [0.0; MOST_MECHANISMS],
+            gained: [1.0; MOST_MECHANISMS],
+        }
+    }
+    /// Mechanisms in steps of a length (s), and how much stiffer than its springs alone the whole is
+    /// under a strain that grows within a step.
+    fn in_step(mechanisms: &[Mechanism], step: f64) -> (Self, f64) {
+        let mut terms = Self::at_rest(mechanisms.len());
+        let mut sudden = 1.0;
+        for (l, mechanism) in mechanisms.iter().enumerate() {
+            let decay = Decay::new(mechanism, step);
+            terms.kept[l] = decay.kept;
+            terms.gained[l] = 1.0 - decay.kept;
+            terms.viscous[l] = mechanism.weight * (1.0 - decay.after);
+            sudden += terms.viscous[l];
+        }
+        for share in &mut terms.viscous {
+            *share /= sudden;
+        }
+        (terms, sudden)
+    }
     /// The strain less its viscous part.
     #[inline(always)]
     fn asked<L: Lane>(&self, strain: &Strain<L>, before: &[L]) -> Strain<L> {
@@ -156,12 +184,12 @@ impl<M: ElasticInSeries> FlatDamping<M> {
         let unrelaxed = law.with_stiffness(relaxed * spectrum.unrelaxed());
         Ok(Self {
             medium: unrelaxed.medium(),
-            asked: law.clone(),
+            asked: law.with_stiffness(relaxed),
             reference: law,
             spectrum: Some(Arc::new(spectrum)),
             relaxed,
             variables: variables.into(),
-            terms: None,
+            terms: Terms::at_rest(count),
         })
     }
     /// The law as it is, of the same type: programs that choose at run time whether a law is damped
@@ -173,7 +201,7 @@ impl<M: ElasticInSeries> FlatDamping<M> {
             spectrum: None,
             relaxed: 1.0,
             variables: law.history().into(),
-            terms: None,
+            terms: Terms::at_rest(0),
             reference: law,
         }
     }
@@ -190,9 +218,6 @@ impl<M: ElasticInSeries> FlatDamping<M> {
         let of_spectrum = |spectrum: &RelaxationSpectrum| spectrum.velocity(frequency);
         self.relaxed.sqrt() * self.spectrum().map_or(1.0, of_spectrum)
     }
-    fn mechanisms(&self) -> &[Mechanism] {
-        self.spectrum().map_or(&[], RelaxationSpectrum::mechanisms)
-    }
 }
 
 impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
@@ -207,19 +232,13 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     }
     #[inline(always)]
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
-        let own = new_history.len() - 6 * self.mechanisms().len();
+        let own = new_history.len() - 6 * self.terms.count;
         let (of_law, relaxing) = new_history.split_at_mut(own);
         let (law_before, before) = input.history.split_at(own);
         // One place that asks the law: it is compiled once.
-        let mut asked = input.with_history(law_before);
-        if let Some(terms) = &self.terms {
-            asked = asked.with_strain(terms.asked(&input.strain, before));
-        }
+        let strain = self.terms.asked(&input.strain, before);
+        let asked = input.with_history(law_before).with_strain(strain);
         let stress = self.asked.stress_change(&asked, of_law);
-        let Some(terms) = &self.terms else {
-            relaxing.copy_from_slice(before);
-            return stress;
-        };
         let first = input.strain.0[0];
         let mut elastic = input.strain.0;
         if let Some(inelastic) = self.asked.inelastic_strain(of_law) {
@@ -227,9 +246,9 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
                 elastic[i] = elastic[i] - inelastic[i];
             }
         }
-        for l in 0..terms.count {
-            let kept = first.constant(terms.kept[l]);
-            let gained = first.constant(terms.gained[l]);
+        for l in 0..self.terms.count {
+            let kept = first.constant(self.terms.kept[l]);
+            let gained = first.constant(self.terms.gained[l]);
             for i in 0..6 {
                 let place = 6 * l + i;
                 relaxing[place] = before[place].mul_add(kept, elastic[i] * gained);
@@ -241,22 +260,18 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     /// gives back. The rest of the work is with the mechanisms.
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
-        let own = new_history.len() - 6 * self.mechanisms().len();
+        let own = new_history.len() - 6 * self.terms.count;
         let (law_before, before) = input.history.split_at(own);
-        let mut asked = input.with_history(law_before);
-        if let Some(terms) = &self.terms {
-            asked = asked.with_strain(terms.asked(&input.strain, before));
-        }
+        let strain = self.terms.asked(&input.strain, before);
+        let asked = input.with_history(law_before).with_strain(strain);
         self.asked.energy(&asked, &new_history[..own])
     }
     /// That of the law for the strain less its viscous part, which a step does not change.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
-        let own = input.history.len() - 6 * self.mechanisms().len();
+        let own = input.history.len() - 6 * self.terms.count;
         let (law_before, before) = input.history.split_at(own);
-        let mut asked = input.with_history(law_before);
-        if let Some(terms) = &self.terms {
-            asked = asked.with_strain(terms.asked(&input.strain, before));
-        }
+        let strain = self.terms.asked(&input.strain, before);
+        let asked = input.with_history(law_before).with_strain(strain);
         self.asked.tangent(&asked)
     }
     fn relaxes(&self) -> bool {
@@ -273,29 +288,16 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     }
     fn for_step(&self, step: f64) -> Self {
         let mut law = self.clone();
-        if step <= 0.0 || self.spectrum.is_none() {
-            law.terms = None;
-            law.asked = self.reference.clone();
+        let Some(spectrum) = self.spectrum() else {
             return law;
-        }
-        let mechanisms = self.mechanisms();
-        let mut terms = Terms {
-            count: mechanisms.len(),
-            viscous: [0.0; MOST_MECHANISMS],
-            kept: [0.0; MOST_MECHANISMS],
-            gained: [0.0; MOST_MECHANISMS],
         };
-        let mut sudden = 1.0;
-        for (l, mechanism) in mechanisms.iter().enumerate() {
-            let decay = Decay::new(mechanism, step);
-            sudden += mechanism.weight * (1.0 - decay.after);
-            terms.kept[l] = decay.kept;
-            terms.gained[l] = decay.kept.mul_add(decay.after, decay.before);
-        }
-        for (share, mechanism) in terms.viscous.iter_mut().zip(mechanisms) {
-            *share = mechanism.weight / sudden;
-        }
-        law.terms = Some(terms);
+        let mechanisms = spectrum.mechanisms();
+        let sudden;
+        (law.terms, sudden) = if step > 0.0 {
+            Terms::in_step(mechanisms, step)
+        } else {
+            (Terms::at_rest(mechanisms.len()), 1.0)
+        };
         law.asked = self.reference.with_stiffness(self.relaxed * sudden);
         law
     }

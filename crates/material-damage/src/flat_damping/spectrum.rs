@@ -273,8 +273,6 @@ fn extremes(band: &DampingBand, ratio: f64, parameters: &DVector<f64>) -> (Vec<f
 pub(super) struct Decay {
     /// `a`, what is left of the dashpot's motion.
     pub(super) kept: f64,
-    /// `alpha`, the share of the strain before the step.
-    pub(super) before: f64,
     /// `beta`, the share of the strain after it.
     pub(super) after: f64,
 }
@@ -289,10 +287,6 @@ impl Decay {
         } else {
             1.0 + (-turn).exp_m1() / turn
         };
-        Self {
-            kept,
-            before: -(-turn).exp_m1() - after,
-            after,
-        }
+        Self { kept, after }
     }
 }

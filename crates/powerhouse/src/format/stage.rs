@@ -1,14 +1,14 @@
 //! What happens to the body before it moves: stress of the ground, bolts, stages.
 
 use core::num::NonZeroU32;
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{At, Finite, Load, NonNegative, Positive, Share};
 
-/// The stress of the ground before the first stage, linear in depth below a level. Elements that are
-/// cast later have none.
+/// The stress of the ground before the first stage. Elements that are cast later have none.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -32,6 +32,13 @@ pub enum InSituStress {
         stress: Option<[Finite; 6]>,
         /// Its change per metre of depth (Pa/m).
         gradient: [Finite; 6],
+    },
+    /// One for each element, from a table.
+    Elements {
+        /// The file, relative to the scene's: columns `element [1]`, `xx [Pa]`, `yy [Pa]`, `zz [Pa]`,
+        /// `xy [Pa]`, `yz [Pa]`, `zx [Pa]` (kPa and MPa, too), tension positive, a row for each element
+        /// of the mesh.
+        file: At<PathBuf>,
     },
 }
 
@@ -122,9 +129,8 @@ pub struct Stage {
     /// been taken out before is not there until then.
     #[serde(default)]
     pub cast: Vec<At<String>>,
-    /// How the body is brought to rest.
-    #[serde(default)]
-    pub method: StaticMethod,
+    /// How the body is brought to rest; by conjugate gradients by default.
+    pub method: Option<At<StaticMethod>>,
     /// The share of what is out of balance that comes on the body, 1 by default. Less leaves the rest
     /// standing, as a face ahead that still bears, until the next stage.
     pub release: Option<At<Share>>,
@@ -157,12 +163,18 @@ pub struct Stage {
 }
 
 /// How a body is brought to rest.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum StaticMethod {
-    /// Corrections by the elastic operator; joints hold or are refused.
-    #[default]
+    /// Corrections by the elastic operator, by conjugate gradients: without a matrix, and the default.
+    /// Joints hold or are refused, as with the next two.
     ConjugateGradients,
+    /// Corrections by the elastic operator, by a sparse Cholesky factor: for many corrections of a model
+    /// that is not large. In builds with the feature `direct`.
+    Cholesky,
+    /// Corrections by the consistent tangent, factored anew for each: for much plastic flow. In builds
+    /// with the feature `direct`.
+    Newton,
     /// Damped steps in a time of its own: for joints that slide and open, and for heavy softening.
     DynamicRelaxation,
 }

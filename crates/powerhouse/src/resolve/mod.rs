@@ -110,7 +110,7 @@ pub(crate) fn compose(
     scene.threads = file.threads.as_ref().map(|threads| threads.get());
     loads::supports(&names, &file.supports, &records, &mut scene)?;
     loads::loads(&names, &file.loads, &mut scene)?;
-    stages::stages(&names, file, &materials, &mut scene)?;
+    stages::stages(text, &names, file, &materials, &mut scene)?;
     scene.output = output::plan(
         &names,
         &file.output,

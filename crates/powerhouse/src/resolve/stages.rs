@@ -3,15 +3,17 @@
 use std::collections::BTreeMap;
 
 use powerhouse_explicit_core as engine;
+#[cfg(feature = "direct")]
+use powerhouse_explicit_core::Linearisation;
 use powerhouse_explicit_core::{
     BoltLine, BoltParameters, BoltPattern, StaticMethod, StaticOptions, StressField, Support,
 };
-use powerhouse_model::{Facet, Stress};
+use powerhouse_model::{Facet, Mesh, Stress};
 
 use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
 use crate::acting::SharedLoad;
-use crate::fault::{Fault, Problem};
+use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, GRAVITY, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StagePlaces;
 use crate::stage::{Timeline, surface_of};
@@ -22,6 +24,7 @@ const STEEL: f64 = 200.0e9;
 
 /// Composes stages, bolts and the stress of the ground, and sees that each can be as it is to.
 pub(super) fn stages(
+    text: &SceneText,
     names: &Names,
     file: &SceneFile,
     materials: &BTreeMap<String, Material>,
@@ -29,7 +32,7 @@ pub(super) fn stages(
 ) -> Result<(), Fault> {
     scene.places.stages = places(file);
     if let Some(stress) = &file.in_situ_stress {
-        scene.in_situ_stress = Some(InSituStress::Field(field(stress)?));
+        scene.in_situ_stress = Some(in_situ(text, names.mesh, stress)?);
     }
     for bolts in &file.bolts {
         scene.bolts.push(self::bolts(names, bolts)?);
@@ -124,7 +127,11 @@ fn places(file: &SceneFile) -> StagePlaces {
     places
 }
 
-fn field(stress: &At<format::InSituStress>) -> Result<StressField, Fault> {
+fn in_situ(
+    text: &SceneText,
+    mesh: &Mesh,
+    stress: &At<format::InSituStress>,
+) -> Result<InSituStress, Fault> {
     match &**stress {
         format::InSituStress::Ground {
             level,
@@ -134,17 +141,22 @@ fn field(stress: &At<format::InSituStress>) -> Result<StressField, Fault> {
         } => {
             let lateral = [*lateral, lateral_y.unwrap_or(*lateral)].map(NonNegative::get);
             StressField::geostatic(level.get(), density.get() * GRAVITY, lateral)
+                .map(InSituStress::Field)
                 .map_err(|error| Fault::refused(stress.span(), error))
         }
         format::InSituStress::Linear {
             level,
             stress,
             gradient,
-        } => Ok(StressField {
+        } => Ok(InSituStress::Field(StressField {
             surface: level.get(),
             at_surface: stress.map_or(Stress::default(), |stress| Stress(stress.map(Finite::get))),
             gradient: Stress(gradient.map(Finite::get)),
-        }),
+        })),
+        format::InSituStress::Elements { file } => {
+            let path = text.folder().join(&**file);
+            InSituStress::read(&path, mesh).map_err(|error| Fault::refused(file.span(), error))
+        }
     }
 }
 
@@ -256,10 +268,10 @@ fn stage(
             }
         });
     }
-    let mut options = StaticOptions::default().with_method(match table.method {
-        format::StaticMethod::ConjugateGradients => StaticMethod::ConjugateGradients,
-        format::StaticMethod::DynamicRelaxation => StaticMethod::DynamicRelaxation,
-    });
+    let mut options = StaticOptions::default();
+    if let Some(method) = &table.method {
+        options = options.with_method(static_method(method)?);
+    }
     if let Some(tolerance) = &table.tolerance {
         options = options.with_tolerance(tolerance.get());
     }
@@ -271,4 +283,22 @@ fn stage(
     }
     stage.options = options;
     Ok(stage)
+}
+
+fn static_method(method: &At<format::StaticMethod>) -> Result<StaticMethod, Fault> {
+    match **method {
+        format::StaticMethod::ConjugateGradients => Ok(StaticMethod::ConjugateGradients),
+        format::StaticMethod::DynamicRelaxation => Ok(StaticMethod::DynamicRelaxation),
+        #[cfg(feature = "direct")]
+        format::StaticMethod::Cholesky => Ok(StaticMethod::Cholesky(Linearisation::Elastic)),
+        #[cfg(feature = "direct")]
+        format::StaticMethod::Newton => Ok(StaticMethod::Cholesky(Linearisation::Tangent)),
+        #[cfg(not(feature = "direct"))]
+        format::StaticMethod::Cholesky | format::StaticMethod::Newton => {
+            let found = "a direct solver, which this build does not have".into();
+            let expected = "conjugate-gradients or dynamic-relaxation".into();
+            let fault = Fault::new(method.span(), Problem::Value { found, expected });
+            Err(fault.with_help("cargo's `--features direct` brings it"))
+        }
+    }
 }

@@ -31,14 +31,15 @@ impl Piece {
         options.damping = self.damping;
         self.kernel.factory(&part.set, &self.material, options)
     }
-    /// Blocks as they rest: undamped, in double precision, of the part's own material or another.
+    /// Blocks as they rest, in double precision: of the material as it moves, or of another.
     pub(crate) fn resting(&self, part: &Part, other: Option<&Material>) -> Box<dyn BlockFactory> {
-        let own = other.unwrap_or(&part.material);
+        let material = match other {
+            None => self.material.clone(),
+            Some(other) if self.rim => other.elastic(),
+            Some(other) => other.clone(),
+        };
         let options = BlockOptions::default();
-        if self.rim {
-            return self.kernel.factory(&part.set, &own.elastic(), options);
-        }
-        self.kernel.factory(&part.set, own, options)
+        self.kernel.factory(&part.set, &material, options)
     }
 }
 

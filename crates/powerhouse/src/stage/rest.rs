@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_explicit_core::{
-    BoltSet, HandOverReport, Model, ModelBuilder, Stage, StageEvent, StageModel, StageReport,
-    StaticProgress, run_stages,
+    BoltSet, HandOverReport, Model, ModelBuilder, Stage, StageError, StageEvent, StageModel,
+    StageReport, StaticError, StaticProgress, run_stages,
 };
 use powerhouse_model::{HistoryVariable, Mesh, ModelError, State, Stress};
 
@@ -99,7 +99,7 @@ impl Staging {
             }
             let stress;
             let report;
-            (state, stress, report) = self.bring_to_rest(index, state, &mut sink)?;
+            (state, stress, report) = self.bring_to_rest(index, state, stop, &mut sink)?;
             if let Some(sink) = &mut sink {
                 sink.at_rest(&StageAtRest {
                     index,
@@ -123,11 +123,16 @@ impl Staging {
         &self,
         index: usize,
         state: State,
+        stop: Option<&Arc<AtomicBool>>,
         sink: &mut Option<Box<dyn StageSink + '_>>,
     ) -> Result<(State, Vec<Stress>, StageReport), Error> {
         let (mesh, stage) = (&*self.scene.mesh, &self.scene.stages[index]);
         let moment = &self.timeline.moments[index];
         let body: Box<StageModel> = Box::new(|builder| {
+            let builder = match stop {
+                Some(stop) => builder.stop_on(stop.clone()),
+                None => builder,
+            };
             let built = self.resting(builder, index);
             built.map_err(|error| ModelError::refused("stage", error))
         });
@@ -146,7 +151,14 @@ impl Staging {
             StageEvent::AtRest { model, .. } => stress = model.stress_changes(),
             _ => {}
         };
-        let (state, mut reports) = run_stages(mesh, state, &[engine], &mut watch)?;
+        let (state, mut reports) =
+            run_stages(mesh, state, &[engine], &mut watch).map_err(|error| match error {
+                StageError::Rest {
+                    stage,
+                    source: StaticError::Interrupted,
+                } => Error::Interrupted { stage },
+                other => other.into(),
+            })?;
         for (change, initial) in stress.iter_mut().zip(&state.initial_stress) {
             *change = Stress(core::array::from_fn(|i| change.0[i] + initial.0[i]));
         }

@@ -128,13 +128,14 @@ fn the_cost_of_flat_damping_is_told() {
         "part 'rock'",
         "5.000 % of critical from 0.5 to 20 Hz",
         "18 numbers more",
+        "at rest it is 0.8",
     ] {
         assert!(told.contains(passage), "{passage}: {told}");
     }
     let (_, at_rest) = step(flat(3, ReferenceFrequency::Static));
     let at_rest = at_rest.unwrap().0;
     assert!(
-        at_rest.step < cost.step && at_rest.speeds[0] > 1.0,
+        at_rest.step < cost.step && at_rest.speeds[0] > 1.0 && at_rest.at_rest == 1.0,
         "{at_rest:?}"
     );
 }
