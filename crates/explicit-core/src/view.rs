@@ -47,6 +47,11 @@ impl StepView for View<'_> {
         let start = self.model.stage_start.get(node as usize);
         start.copied().unwrap_or_default()
     }
+    fn cast_at(&self, element: u32) -> Option<&[Vec3]> {
+        let mut casts = self.model.casts.iter();
+        let cast = casts.find(|cast| cast.elements.contains(&element))?;
+        Some(&cast.displacement)
+    }
     fn velocity(&self, node: u32) -> Vec3 {
         let (before, after) = self.model.velocities_around(self.model.engine(node));
         (before + after) * 0.5

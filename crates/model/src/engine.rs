@@ -197,6 +197,11 @@ pub trait StepView {
     fn stage_start(&self, _node: u32) -> Vec3 {
         Vec3::zeros()
     }
+    /// Absolute displacement (m, one per mesh node) at which an element was [cast](crate::Cast), free of
+    /// stress; none, as by default, for one that has been there all along.
+    fn cast_at(&self, _element: u32) -> Option<&[Vec3]> {
+        None
+    }
     /// Velocity (m/s) at `time`: the mean of the half steps before and after.
     fn velocity(&self, node: u32) -> Vec3;
     /// Acceleration (m/s2) at `time`.

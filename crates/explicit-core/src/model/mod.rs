@@ -75,7 +75,7 @@ pub struct Model {
     /// Mesh indices of elements that are not there.
     absent: Vec<u32>,
     /// Elements that were put in later.
-    casts: Vec<powerhouse_model::Cast>,
+    pub(crate) casts: Vec<powerhouse_model::Cast>,
     /// Displacement (m) at the start of the stage, one per mesh node and additional node; empty
     /// where it is zero.
     pub(crate) stage_start: Vec<Vec3>,

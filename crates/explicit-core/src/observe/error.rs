@@ -74,6 +74,14 @@ pub enum ObserveError {
         /// The cut.
         cut: String,
     },
+    /// Elements of one source of a cut that count their strain from different displacements.
+    #[error(
+        "cut '{cut}' has a source of elements that were cast in different stages: each stage is to be a source of its own"
+    )]
+    SeveralCasts {
+        /// The cut.
+        cut: String,
+    },
     /// The elements of a cut could not be computed.
     #[error("cut '{cut}': {source}")]
     Refused {

@@ -9,6 +9,7 @@ mod initial_stress;
 mod kirsch;
 mod refused;
 mod relaxation;
+mod sections;
 mod ties;
 
 use powerhouse_explicit_core::{

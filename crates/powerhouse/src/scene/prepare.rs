@@ -58,11 +58,31 @@ impl Scene {
                 (factory, piece.material.medium())
             })
             .collect();
-        let sources: Vec<CutSource> = (pieces.iter().zip(&blocks))
-            .map(|(piece, (factory, medium))| CutSource {
-                elements: &piece.elements,
-                factory: factory.as_ref(),
-                medium: *medium,
+        // Apart by where they count their strain from.
+        let casts = timeline.as_ref().map_or_else(Vec::new, |timeline| {
+            timeline.bare_state(self.mesh.node_count()).casts
+        });
+        let mut cast_of = vec![0; self.mesh.element_count()];
+        for (cast, number) in casts.iter().zip(1..) {
+            for &element in &cast.elements {
+                cast_of[element as usize] = number;
+            }
+        }
+        let of_piece = |piece: &Piece| {
+            let mut lists = vec![Vec::new(); casts.len() + 1];
+            for &element in &piece.elements {
+                lists[cast_of[element as usize]].push(element);
+            }
+            lists
+        };
+        let apart: Vec<Vec<Vec<u32>>> = pieces.iter().map(of_piece).collect();
+        let sources: Vec<CutSource> = (apart.iter().zip(&blocks))
+            .flat_map(|(lists, (factory, medium))| {
+                lists.iter().map(|elements| CutSource {
+                    elements,
+                    factory: factory.as_ref(),
+                    medium: *medium,
+                })
             })
             .collect();
         let remembered = Remembered::of(&self, &rims)?;

@@ -84,10 +84,13 @@ impl Functional {
                 *work += stress.work(strain);
             }
         }
-        self.add_nodal(|node| view.displacement(node), works);
+        self.add_nodal(
+            |node| view.displacement(node) + view.stage_start(node),
+            works,
+        );
     }
 
-    /// Adds the works of the elastic forces that mean stresses do not carry.
+    /// Adds the works of the elastic forces that mean stresses do not carry, of an absolute displacement.
     ///
     /// They are the same for a displacement less that of one node; less of it, the rounding of a
     /// factory in single precision stays small against the strains.

@@ -31,7 +31,7 @@ pub struct Cut {
     pub within: Option<(Vec3, Vec3)>,
 }
 
-/// The elements of a cut that share a kernel and a material.
+/// The elements of a cut that share a kernel, a material and, if a stage cast them, the stage.
 #[derive(Clone, Copy)]
 pub struct CutSource<'a> {
     /// Mesh indices; those that the plane does not meet are passed over.
@@ -79,8 +79,7 @@ pub struct SectionGeometry {
 /// crown.axial_per_metre, crown.shear_per_metre   axial and shear_across over the width (N/m)
 /// crown.moment_per_metre   moment_across over the width (N m/m)
 /// ```
-/// They are those of the stress that displacements make, without that of stiffness damping; in a body
-/// that went through stages they count from the start of the run.
+/// They are those of the whole stress, of what stages left too, but for that of stiffness damping.
 ///
 /// # Method
 /// The integrals are not taken over the plane. They are the virtual work of the internal forces
@@ -148,21 +147,29 @@ pub struct SectionForces {
 struct Sensor {
     geometry: SectionGeometry,
     functionals: Vec<Functional>,
-    /// Works to be taken off, of the reference displacement.
-    reference: [f64; RESULTANTS],
-    /// Works to be taken off, of the stress at the start of a run after stages.
-    start: [f64; RESULTANTS],
+    /// Works to be taken off, of the displacement at which the elements are strained by nothing; not
+    /// known before the first step that is seen.
+    reference: Option<[f64; RESULTANTS]>,
 }
 
 impl Sensor {
-    /// Whether its nodes had moved before the run.
-    fn is_staged(&self, view: &dyn StepView) -> bool {
-        let nodes = self
-            .functionals
-            .iter()
-            .flat_map(|functional| &functional.nodes);
-        let mut starts = nodes.map(|&node| view.stage_start(node));
-        starts.any(|start| start != Vec3::zeros())
+    /// The works of the displacements at which elements were cast.
+    fn of_casts(&self, view: &dyn StepView) -> Result<[f64; RESULTANTS], ObserveError> {
+        let mut works = [0.0; RESULTANTS];
+        for functional in &self.functionals {
+            let mut casts = functional.elements.iter().map(|&e| view.cast_at(e));
+            let cast = casts.next().flatten();
+            let place = |cast: Option<&[Vec3]>| cast.map(<[Vec3]>::as_ptr);
+            if casts.any(|other| place(other) != place(cast)) {
+                return Err(ObserveError::SeveralCasts {
+                    cut: self.geometry.name.clone(),
+                });
+            }
+            if let Some(displacement) = cast {
+                functional.add_nodal(|node| displacement[node as usize], &mut works);
+            }
+        }
+        Ok(works)
     }
 }
 
@@ -264,15 +271,14 @@ impl SectionForces {
         self.sections.push(Sensor {
             geometry,
             functionals,
-            reference: [0.0; RESULTANTS],
-            start: [0.0; RESULTANTS],
+            reference: None,
         });
         Ok(&self.sections[self.sections.len() - 1].geometry)
     }
 
-    /// From now on displacement counts from this one (m, one per mesh node), at which the elements
-    /// of the cuts are strained by nothing: what is cast later is stress-free in the deformed
-    /// state. By default it counts from zero. Holds for the cuts added so far.
+    /// From now on displacement counts from this one (m, absolute, one per mesh node), at which the
+    /// elements of the cuts are strained by nothing. By default it counts from where the stages cast
+    /// them, and from zero for what has been there all along. Holds for the cuts added so far.
     ///
     /// # Errors
     /// If there are not as many displacements as nodes.
@@ -288,7 +294,7 @@ impl SectionForces {
                 ParameterError::check("displacements", count, least as f64, f64::MAX)?;
                 functional.add_nodal(|node| displacement[node as usize], &mut works);
             }
-            section.reference = works;
+            section.reference = Some(works);
         }
         Ok(())
     }
@@ -353,15 +359,14 @@ impl Observer for SectionForces {
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         self.row.clear();
         for section in &mut self.sections {
-            let mut works = section.reference.map(|work| -work);
+            let reference = match section.reference {
+                Some(reference) => reference,
+                None => section.of_casts(view)?,
+            };
+            section.reference = Some(reference);
+            let mut works = reference.map(|work| -work);
             for functional in &section.functionals {
                 functional.add(view, &mut works);
-            }
-            if view.number() == 0 && section.is_staged(view) {
-                section.start = works;
-            }
-            for (work, start) in works.iter_mut().zip(section.start) {
-                *work -= start;
             }
             let [
                 axial,
