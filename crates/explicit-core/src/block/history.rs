@@ -101,7 +101,7 @@ impl<S: BatchScalar> History<S> {
             if !differ(old, new) {
                 return;
             }
-            self.begin(batch);
+            self.begin(batch, point);
         }
         let (start, length) = (batch * self.numbers(), new.len() * L::WIDTH);
         let store = &mut self.stores[usize::from(1 - self.stands[batch].side)];
@@ -110,10 +110,11 @@ impl<S: BatchScalar> History<S> {
             value.store(&mut numbers[h * L::WIDTH..]);
         }
     }
-    /// Opens the other store of a batch with a copy of the committed history.
-    fn begin(&mut self, batch: usize) {
-        let numbers = self.numbers();
-        let range = batch * numbers..(batch + 1) * numbers;
+    /// Opens the other store of a batch with a copy of the committed history of its first points; those
+    /// of the others follow.
+    fn begin(&mut self, batch: usize, points: usize) {
+        let start = batch * self.numbers();
+        let range = start..start + points * self.variables.len() * self.width;
         let stand = &mut self.stands[batch];
         stand.changed = true;
         let [first, second] = &mut self.stores;
