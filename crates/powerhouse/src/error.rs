@@ -16,6 +16,14 @@ pub enum Error {
     /// A fault of a scene file, with its place.
     #[error(transparent)]
     Scene(Box<SceneFault>),
+    /// A case that the scene's file does not have.
+    #[error("the scene has no case '{name}', only {}", available.join(", "))]
+    NoSuchCase {
+        /// The name.
+        name: String,
+        /// Those that it has.
+        available: Vec<String>,
+    },
     /// A file that cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
@@ -163,6 +171,20 @@ pub enum Error {
     HandOver {
         /// Why.
         source: StaticError,
+    },
+    /// A body at rest that came from the stages of another scene.
+    #[error(
+        "the body at rest has {found} nodes and {found_absent} absent elements, the scene {expected} and {expected_absent}"
+    )]
+    ForeignBody {
+        /// Its nodes.
+        found: usize,
+        /// Elements that are not there.
+        found_absent: usize,
+        /// Nodes of the scene's mesh.
+        expected: usize,
+        /// Elements that are not there after its stages.
+        expected_absent: usize,
     },
     /// A run that was stopped from outside before the body moved.
     #[error("interrupted in the stage '{stage}'")]

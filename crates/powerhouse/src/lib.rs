@@ -82,8 +82,8 @@ pub use remark::Remark;
 pub use scene::{Boundary, InitialMotion, LawMemory, ResidualLimit, Scene, TimeStep};
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
-    BoltPlace, InSituError, InSituStress, SceneBolts, SceneStage, StageAtRest, StageOverview,
-    StageSink, StagingError,
+    BodyAtRest, BoltPlace, InSituError, InSituStress, SceneBolts, SceneStage, StageAtRest,
+    StageOverview, StageSink, StagingError,
 };
 
 /// The program in the project's README compiles and runs.

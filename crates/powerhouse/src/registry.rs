@@ -1,9 +1,10 @@
 //! Laws, kernels and boundaries by name, so that scenes can name a user's own.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
-use powerhouse_model::{AbsorbingBoundary, ContactLaw, ModelError};
+use powerhouse_model::{AbsorbingBoundary, ContactLaw, Mesh, ModelError};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -14,7 +15,8 @@ use crate::format::{
 };
 use crate::{Kernel, Material, builtin};
 
-/// What scenes can name: constitutive laws, element kernels, absorbing boundaries and laws of joints.
+/// What scenes can name: constitutive laws, element kernels, absorbing boundaries, laws of joints and
+/// generators of meshes.
 ///
 /// ```
 /// use powerhouse::{Material, Registry};
@@ -43,7 +45,13 @@ pub struct Registry {
     boundaries: BTreeMap<String, Entry<Arc<dyn AbsorbingBoundary>>>,
     kernels: BTreeMap<String, Kernel>,
     joint_laws: BTreeMap<String, Entry<Box<dyn ContactLaw>>>,
+    mesh_generators: BTreeMap<String, MeshGenerator>,
 }
+
+/// Makes a mesh from a file.
+type MeshGenerator = Box<dyn Fn(&Path) -> Result<Mesh, Refusal> + Send + Sync>;
+/// Why it does not.
+type Refusal = Box<dyn std::error::Error + Send + Sync>;
 
 type Build<T> = Box<dyn Fn(&Parameters) -> Result<T, Fault> + Send + Sync>;
 
@@ -83,6 +91,7 @@ impl Default for Registry {
             boundaries: BTreeMap::new(),
             kernels: BTreeMap::new(),
             joint_laws: BTreeMap::new(),
+            mesh_generators: BTreeMap::new(),
         };
         builtin::register(&mut registry);
         registry
@@ -122,6 +131,16 @@ impl Registry {
     {
         self.joint_laws.insert(name.into(), Entry::new(build));
     }
+    /// Adds or replaces a generator of meshes. A scene names it in its `[mesh]` table, beside the file
+    /// that is handed to it; none comes with this crate.
+    pub fn add_mesh_generator<F, E>(&mut self, name: impl Into<String>, generate: F)
+    where
+        F: Fn(&Path) -> Result<Mesh, E> + Send + Sync + 'static,
+        E: Into<Box<dyn std::error::Error + Send + Sync>>,
+    {
+        let generate = move |file: &Path| generate(file).map_err(Into::into);
+        self.mesh_generators.insert(name.into(), Box::new(generate));
+    }
     /// Names of the laws.
     pub fn law_names(&self) -> impl Iterator<Item = &str> {
         self.laws.keys().map(String::as_str)
@@ -154,6 +173,14 @@ impl Registry {
         look_up(&self.kernels, "kernel", name)
     }
 
+    pub(crate) fn mesh_generator(&self, name: &At<String>) -> Result<&MeshGenerator, Fault> {
+        look_up(&self.mesh_generators, "mesh generator", name)
+    }
+
+    /// Names of the generators of meshes.
+    pub fn mesh_generator_names(&self) -> impl Iterator<Item = &str> {
+        self.mesh_generators.keys().map(String::as_str)
+    }
     /// Names of the laws of joints.
     pub fn joint_law_names(&self) -> impl Iterator<Item = &str> {
         self.joint_laws.keys().map(String::as_str)

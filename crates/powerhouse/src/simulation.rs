@@ -16,7 +16,7 @@ use powerhouse_model::{
 
 use crate::output::{OutputPlan, Recordings, Results};
 use crate::scene::{Places, ResidualLimit, TimeStep, field_motion};
-use crate::stage::{Rested, StageSink, Staging};
+use crate::stage::{BodyAtRest, Rested, StageSink, Staging};
 use crate::{Error, Remark, SceneText};
 
 /// Energies are looked at after this share of the duration if they are not recorded.
@@ -37,6 +37,8 @@ pub struct RunHooks<'a> {
     pub snapshots: Option<Box<dyn SnapshotSink>>,
     /// Is shown the stages of the scene.
     pub stages: Option<Box<dyn StageSink + 'a>>,
+    /// The body as the same stages left it before, from which the run starts without them.
+    pub at_rest: Option<BodyAtRest>,
     /// Further observers.
     pub observers: Vec<Box<dyn Observer>>,
 }
@@ -158,6 +160,25 @@ impl Simulation {
         self.step = step;
     }
 
+    /// Goes through the stages of the scene and leaves the body at rest, for several runs to start
+    /// from: those of scenes that differ in what makes the body move alone. Nothing if there are none.
+    ///
+    /// # Errors
+    /// A stage that does not come to rest.
+    pub fn bring_to_rest(
+        &self,
+        stop: Option<&Arc<AtomicBool>>,
+        sink: Option<Box<dyn StageSink + '_>>,
+    ) -> Result<Option<BodyAtRest>, Error> {
+        let Some(staging) = &self.staging else {
+            return Ok(None);
+        };
+        let found = staging.run(stop, sink);
+        Ok(Some(found.map_err(|error| {
+            self.source.1.put(&self.source.0, error)
+        })?))
+    }
+
     /// Runs the scene to its end, through its stages first.
     ///
     /// # Errors
@@ -168,9 +189,13 @@ impl Simulation {
         let step = self.step()?;
         let mut rested = None;
         if let Some(staging) = &self.staging {
-            let found = staging.run(hooks.stop.as_ref(), hooks.stages);
+            let body = match hooks.at_rest {
+                Some(body) => Ok(body),
+                None => staging.run(hooks.stop.as_ref(), hooks.stages),
+            };
+            let moving = body.and_then(|body| staging.set_in_motion(body));
             let (model, stages) =
-                found.map_err(|error| self.source.1.put(&self.source.0, error))?;
+                moving.map_err(|error| self.source.1.put(&self.source.0, error))?;
             self.model = model;
             rested = Some(stages);
         }

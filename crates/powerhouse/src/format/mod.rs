@@ -9,6 +9,7 @@
 //! [`Registry`](crate::Registry), so that types of one's own can be named in scenes.
 
 mod at;
+mod case;
 mod decode;
 mod function;
 mod ground;
@@ -30,6 +31,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 pub use at::At;
+pub use case::Case;
 pub use decode::decode;
 pub(crate) use decode::{decode_materials, decode_tagged};
 pub use function::{Function, Pulse};
@@ -117,6 +119,10 @@ pub struct SceneFile {
     /// The largest permitted error of the free field (relative L2 error of velocity). If given, a run first computes
     /// the scene's box without the structure and refuses to go on above this error.
     pub self_check: Option<At<Positive>>,
+    /// Cases of a sweep: what each of them changes of the scene. A run of the scene itself passes them
+    /// over.
+    #[serde(rename = "case", default)]
+    pub cases: Vec<Case>,
 }
 
 /// The mesh file.
@@ -124,8 +130,10 @@ pub struct SceneFile {
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
     /// A Gmsh file (`.msh`, version 2.2 or 4.1, text or binary), relative to the scene file. Its
-    /// physical groups are the named sets.
+    /// physical groups are the named sets. With a generator: the file from which that makes the mesh.
     pub file: At<PathBuf>,
+    /// What makes the mesh, by its name in the registry.
+    pub generator: Option<At<String>>,
     /// Multiplies the coordinates, 0.001 for a mesh in millimetres.
     #[serde(default = "one")]
     pub scale: Positive,

@@ -32,7 +32,7 @@ pub(crate) fn compose(
         None => None,
     };
     let records = record::records(text, file)?;
-    let (mesh, joints) = joints::joints(mesh(text, &file.mesh)?, &file.joints, registry)?;
+    let (mesh, joints) = joints::joints(mesh(text, &file.mesh, registry)?, &file.joints, registry)?;
     let names = Names { mesh: &mesh };
     check_parts(&names, file)?;
     check_kernels(&names, file, &parts)?;
@@ -187,13 +187,17 @@ fn parts(
         .collect()
 }
 
-fn mesh(text: &SceneText, table: &format::MeshFile) -> Result<Mesh, Fault> {
+fn mesh(text: &SceneText, table: &format::MeshFile, registry: &Registry) -> Result<Mesh, Fault> {
     let refused =
         |error: Box<dyn std::error::Error + Send + Sync>| Fault::refused(table.file.span(), error);
     let path: PathBuf = text.folder().join(&*table.file);
-    let mesh = powerhouse_io::read_gmsh(path)
-        .map_err(|e| refused(e.into()))?
-        .mesh;
+    let mesh = match &table.generator {
+        Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
+        None => {
+            let read = powerhouse_io::read_gmsh(path);
+            read.map_err(|error| refused(error.into()))?.mesh
+        }
+    };
     match table.scale.get() {
         1.0 => Ok(mesh),
         scale => mesh

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Scene;
-use crate::fault::{SceneFault, SceneText};
+use crate::fault::{Fault, Problem, SceneFault, SceneText};
+use crate::format::Case;
 use crate::{Error, Registry, format, resolve};
 
 impl Scene {
@@ -23,11 +24,19 @@ impl Scene {
     /// As [`from_file`](Self::from_file).
     pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<Self, Error> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
-            path: path.into(),
-            source,
-        })?;
-        Self::from_toml(text, path, registry)
+        Self::from_toml(read(path)?, path, registry)
+    }
+    /// Reads a case of a scene file: the scene with what the case changes.
+    ///
+    /// # Errors
+    /// As [`from_file`](Self::from_file), and [`Error::NoSuchCase`].
+    pub fn case_from_file_with(
+        path: impl AsRef<Path>,
+        case: &str,
+        registry: &Registry,
+    ) -> Result<Self, Error> {
+        let path = path.as_ref();
+        Self::compose(read(path)?, path.into(), Some(case), registry)
     }
     /// Reads a scene from text. `path` is the name in messages, and its folder the one that paths
     /// in the scene are relative to.
@@ -39,17 +48,54 @@ impl Scene {
         path: impl Into<PathBuf>,
         registry: &Registry,
     ) -> Result<Self, Error> {
-        let text = Arc::new(SceneText {
-            path: path.into(),
-            text: text.into(),
-        });
-        let composed = format::decode(&text.text).and_then(|file| {
-            let mut scene = resolve::compose(&text, &file, registry)?;
-            scene.directory = file.output.directory;
-            Ok(scene)
-        });
-        let mut scene = composed.map_err(|fault| SceneFault::new(text.clone(), fault))?;
+        Self::compose(text.into(), path.into(), None, registry)
+    }
+
+    fn compose(
+        text: String,
+        path: PathBuf,
+        case: Option<&str>,
+        registry: &Registry,
+    ) -> Result<Self, Error> {
+        let text = Arc::new(SceneText { path, text });
+        let refused = |fault| SceneFault::new(text.clone(), fault);
+        let mut file = format::decode(&text.text).map_err(refused)?;
+        let cases = case_names(&file.cases).map_err(refused)?;
+        if let Some(name) = case {
+            let found = file.cases.iter().find(|case| *case.name == name);
+            let Some(found) = found else {
+                let (name, available) = (name.into(), cases);
+                return Err(Error::NoSuchCase { name, available });
+            };
+            file = file.with_case(found);
+        }
+        let mut scene = resolve::compose(&text, &file, registry).map_err(refused)?;
+        scene.directory = file.output.directory;
+        scene.cases = cases;
+        scene.case = case.map(str::to_owned);
         scene.source = Some(text);
         Ok(scene)
     }
+}
+
+fn read(path: &Path) -> Result<String, Error> {
+    std::fs::read_to_string(path).map_err(|source| Error::Read {
+        path: path.into(),
+        source,
+    })
+}
+
+/// The names of cases, each of them once.
+fn case_names(cases: &[Case]) -> Result<Vec<String>, Fault> {
+    let mut names: Vec<String> = Vec::with_capacity(cases.len());
+    for case in cases {
+        let name = case.name.to_string();
+        if names.contains(&name) {
+            let what = "case";
+            let problem = Problem::Duplicate { what, name };
+            return Err(Fault::new(case.name.span(), problem));
+        }
+        names.push(name);
+    }
+    Ok(names)
 }

@@ -171,6 +171,10 @@ pub struct Scene {
     pub(crate) source: Option<Arc<SceneText>>,
     pub(crate) places: Places,
     pub(crate) directory: Option<PathBuf>,
+    /// The names of the cases in its file.
+    pub(crate) cases: Vec<String>,
+    /// The case of its file that it is.
+    pub(crate) case: Option<String>,
 }
 
 impl Scene {
@@ -207,6 +211,8 @@ impl Scene {
             source: None,
             places: Places::default(),
             directory: None,
+            cases: Vec::new(),
+            case: None,
         }
     }
     /// Adds a part; every element of the mesh must belong to exactly one.
@@ -438,8 +444,16 @@ impl Scene {
     pub fn source(&self) -> Option<&Arc<SceneText>> {
         self.source.as_ref()
     }
+    /// The names of the cases in the scene's file.
+    pub fn case_names(&self) -> &[String] {
+        &self.cases
+    }
+    /// The case of its file that the scene is, if it is one.
+    pub fn case(&self) -> Option<&str> {
+        self.case.as_deref()
+    }
     /// The folder for the files of a run: as the scene says, or `results/` and the name of the
-    /// scene's file.
+    /// scene's file; a case has a folder of its name in it.
     pub fn result_folder(&self) -> ResultFolder {
         let named = || {
             let stem = self
@@ -448,7 +462,11 @@ impl Scene {
                 .and_then(|source| source.path.file_stem());
             Path::new("results").join(stem.unwrap_or("scene".as_ref()))
         };
-        ResultFolder::new(self.directory.clone().unwrap_or_else(named))
+        let folder = self.directory.clone().unwrap_or_else(named);
+        ResultFolder::new(match &self.case {
+            Some(case) => folder.join(case),
+            None => folder,
+        })
     }
     /// The names of the joints, their sides and their laws.
     pub fn joints(&self) -> impl Iterator<Item = (&str, &JointSurface, &dyn ContactLaw)> {

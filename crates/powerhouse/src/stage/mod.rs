@@ -14,6 +14,6 @@ pub use error::StagingError;
 pub use in_situ::{InSituError, InSituStress};
 pub use list::SceneStage;
 pub use overview::StageOverview;
+pub use rest::{BodyAtRest, StageAtRest, StageSink};
 pub(crate) use rest::{Rested, Staging};
-pub use rest::{StageAtRest, StageSink};
 pub(crate) use timeline::Timeline;

@@ -50,6 +50,24 @@ pub trait StageSink: Send {
     fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error>;
 }
 
+/// A body at the end of the stages of a scene, from which it and its other cases can be set in motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyAtRest {
+    pub(crate) state: State,
+    pub(crate) stages: Vec<StageReport>,
+}
+
+impl BodyAtRest {
+    /// Its state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+    /// What the stages took and did.
+    pub fn stages(&self) -> &[StageReport] {
+        &self.stages
+    }
+}
+
 /// What the stages of a scene came to.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rested {
@@ -77,12 +95,31 @@ impl Staging {
         forces.collect()
     }
 
-    /// Goes through the stages and sets the body in motion: its model, and what the stages came to.
+    /// Sets a body that its stages have brought to rest in motion: its model, and what the stages came
+    /// to.
+    pub(crate) fn set_in_motion(&self, body: BodyAtRest) -> Result<(Model, Rested), Error> {
+        let BodyAtRest { state, stages } = body;
+        let expected = self.timeline.bare_state(self.scene.mesh.node_count());
+        if state.absent != expected.absent
+            || state.displacement.len() != expected.displacement.len()
+        {
+            return Err(Error::ForeignBody {
+                found: state.displacement.len(),
+                found_absent: state.absent.len(),
+                expected: expected.displacement.len(),
+                expected_absent: expected.absent.len(),
+            });
+        }
+        let (model, hand_over) = self.hand_over(state)?;
+        Ok((model, Rested { stages, hand_over }))
+    }
+
+    /// Goes through the stages.
     pub(crate) fn run(
         &self,
         stop: Option<&Arc<AtomicBool>>,
         mut sink: Option<Box<dyn StageSink + '_>>,
-    ) -> Result<(Model, Rested), Error> {
+    ) -> Result<BodyAtRest, Error> {
         let mesh = &*self.scene.mesh;
         let mut state = State::at_rest(mesh.node_count());
         if let Some(stress) = &self.scene.in_situ_stress {
@@ -114,8 +151,7 @@ impl Staging {
             }
             stages.push(report);
         }
-        let (model, hand_over) = self.hand_over(state)?;
-        Ok((model, Rested { stages, hand_over }))
+        Ok(BodyAtRest { state, stages })
     }
 
     /// One stage: the state afterwards, its stress, and what it took.
