@@ -13,7 +13,8 @@ use crate::{INTERRUPTED, Outcome, WARNED, report, stop};
 
 /// Looks at a scene; the exit status is 1 if there are warnings.
 pub(crate) fn check(path: &Path) -> Outcome {
-    let found = powerhouse_study::check(Scene::from_file(path)?)?;
+    let found =
+        powerhouse_study::check(Scene::from_file_with(path, &powerhouse_study::registry())?)?;
     report::check(&found);
     Ok(if found.warnings.is_empty() {
         ExitCode::SUCCESS
@@ -25,7 +26,7 @@ pub(crate) fn check(path: &Path) -> Outcome {
 /// Compares the scene's box without the structure with its field; the exit status is 2 if the
 /// error is above the scene's own limit.
 pub(crate) fn free_field(path: &Path) -> Outcome {
-    let scene = Scene::from_file(path)?;
+    let scene = Scene::from_file_with(path, &powerhouse_study::registry())?;
     let limit = scene.self_check();
     let check = FreeFieldCheck::of(&scene)?;
     let step = scene.prepare()?.step()?;

@@ -5,17 +5,19 @@
 
 mod check;
 mod drive;
+mod mesh;
 mod progress;
 mod report;
 mod run;
 mod stop;
+mod sweep;
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use powerhouse::{Error, Registry};
+use powerhouse::Error;
 use powerhouse_study::StudyError;
 
 /// Explicit dynamic analysis of underground structures under waves that arrive at an angle.
@@ -61,6 +63,34 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// Make the mesh of a machine bay and write it for Gmsh and ParaView.
+    Mesh {
+        /// The file of the bay: its size and dimensions.
+        bay: PathBuf,
+        /// The Gmsh file, beside which a VTU file and a picture come; by default the bay's name in the
+        /// working directory.
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
+    /// Run the cases of a scene one after the other; cases that are finished are not run again.
+    Sweep {
+        /// The scene file with its `[[case]]` tables.
+        scene: PathBuf,
+        /// The folder for results, in place of the scene's own; each case has a folder in it.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Run only this case, or these: the option may stand several times.
+        #[arg(long = "case", value_name = "NAME")]
+        cases: Vec<String>,
+        /// The duration of every case (s), in place of the scene's.
+        #[arg(long, value_name = "SECONDS")]
+        duration: Option<f64>,
+    },
+    /// Write one HTML page of the results of a sweep or a run.
+    Report {
+        /// The folder of the results.
+        folder: PathBuf,
+    },
     /// Print the JSON schema of scene files, for editors.
     Schema,
 }
@@ -92,8 +122,21 @@ fn main() -> ExitCode {
             material,
             out,
         } => drive::drive(&law, &path, material.as_deref(), out),
+        Command::Sweep {
+            scene,
+            out,
+            cases,
+            duration,
+        } => sweep::sweep(&scene, out, &cases, duration),
+        Command::Report { folder } => powerhouse_study::write_report(folder)
+            .map(|file| {
+                println!("{}", file.display());
+                ExitCode::SUCCESS
+            })
+            .map_err(Into::into),
+        Command::Mesh { bay, out } => mesh::mesh(&bay, out),
         Command::Schema => {
-            println!("{:#}", Registry::default().schema().to_value());
+            println!("{:#}", powerhouse_study::registry().schema().to_value());
             Ok(ExitCode::SUCCESS)
         }
     };

@@ -11,7 +11,7 @@ use crate::progress::Display;
 use crate::{INTERRUPTED, Outcome, check, report, stop};
 
 /// Tells of stages what their files hold in full.
-struct Stages(Box<dyn StageSink>);
+pub(crate) struct Stages(pub(crate) Box<dyn StageSink>);
 
 impl StageSink for Stages {
     fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
@@ -23,7 +23,7 @@ impl StageSink for Stages {
 /// Checks the free field if the scene asks for it, runs, and writes what was found, even if the
 /// run fails on its way.
 pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
-    let scene = Scene::from_file(path)?;
+    let scene = Scene::from_file_with(path, &powerhouse_study::registry())?;
     let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
     let text = scene.source().map(|source| source.text.clone());
     let limit = scene.self_check();

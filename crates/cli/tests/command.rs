@@ -20,6 +20,27 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+/// The mesh of a bay is told and written for Gmsh and ParaView with a picture; one that cannot be is
+/// refused with its key and what is permitted.
+#[test]
+fn mesh_writes_a_bay() {
+    let folder = std::env::temp_dir().join(format!("powerhouse-cli-mesh-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = |name: &str| folder.join(name).display().to_string();
+    std::fs::write(folder.join("bay.toml"), "size = \"coarse\"\n").unwrap();
+    let made = powerhouse(&["mesh", &path("bay.toml"), "--out", &path("bay.msh")]);
+    assert_eq!(made.status.code(), Some(0));
+    assert!(text(&made.stdout).contains("15840 of the file"));
+    for file in ["bay.msh", "bay.vtu", "bay.png"] {
+        assert!(folder.join(file).exists(), "{file}");
+    }
+    std::fs::write(folder.join("bay.toml"), "[dimensions]\ncover = 20\n").unwrap();
+    let refused = powerhouse(&["mesh", &path("bay.toml")]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("cover = 20 is outside its permitted range [60, 300]"));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
 /// A short scene in a folder of its own: the coarse cavern for a tenth of a second.
 struct Scene {
     folder: PathBuf,

@@ -1,5 +1,8 @@
 //! What this crate refuses.
 
+use std::path::PathBuf;
+
+use powerhouse::model::{MeshError, ParameterError};
 use thiserror::Error;
 
 /// Why a study of a scene cannot be done.
@@ -9,6 +12,54 @@ pub enum StudyError {
     /// The scene itself is at fault.
     #[error(transparent)]
     Scene(#[from] powerhouse::Error),
+    /// A parameter outside its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A mesh that cannot be made.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A file that cannot be read.
+    #[error("cannot read {}: {source}", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file of a bay that says what no bay has.
+    #[error("{}: {source}", file.display())]
+    BayFile {
+        /// The file.
+        file: PathBuf,
+        /// What and where.
+        source: Box<toml::de::Error>,
+    },
+    /// A scene without cases, which is no sweep.
+    #[error("{} has no [[case]]: a sweep needs some", file.display())]
+    NoCases {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A folder that holds the results of neither a sweep nor a run.
+    #[error("{} holds neither a sweep nor a run", folder.display())]
+    NoResults {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The outcome of a case that cannot be understood.
+    #[error("{}: {source}", file.display())]
+    Outcome {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: serde_json::Error,
+    },
+    /// An odd number of elements across the transformer cavern, whose axis would have no node.
+    #[error("the transformer cavern needs an even number of elements across it, not {cells}")]
+    OddCells {
+        /// The number.
+        cells: usize,
+    },
     /// No field comes in.
     #[error("the scene has no incident field to check")]
     NoField,

@@ -183,6 +183,7 @@ impl FreeFieldCheck {
             snapshots: hooks.snapshots,
             stages: hooks.stages,
             observers: hooks.observers,
+            ..RunHooks::default()
         };
         let (points, step, time) = compare.run(elastic, scene_step, first)?;
         let damped = match damped {

@@ -1,10 +1,12 @@
-//! What is built on whole scenes: checks, predictions, the free-field self-check, and meshes of
-//! sites with known answers.
+//! What is built on whole scenes: checks, predictions, the free-field self-check, sweeps, reports, the
+//! mesh of a machine bay, and meshes of sites with known answers.
 //!
 //! [`check`] looks at a scene without running it: mesh quality, the frequencies that its elements
 //! carry, the stable step and who limits it, and what a run will cost. [`FreeFieldCheck`] computes
 //! the scene's box without the structure and compares it with the field that comes in: what is left
-//! is the error of mesh, step and boundary, on which no result of the scene can improve.
+//! is the error of mesh, step and boundary, on which no result of the scene can improve. [`mod@sweep`]
+//! runs the cases of a scene, [`write_report`] tells of them on one page, and [`bay`] makes the mesh of
+//! a machine bay, which scenes name through [`registry`].
 //!
 //! [`OpeningSlice`] and [`ShellOctant`] are meshes of ground around a round opening, for studies of
 //! what an opening does to waves and of what a boundary does to their results.
@@ -19,21 +21,28 @@
 //! *It runs undamped.* The free field is elastic, so a damped box cannot reproduce it. Where the
 //! ground of a scene is damped, the error with that damping is told beside.
 
+pub mod bay;
 mod check;
 mod cost;
 mod error;
+mod excerpt;
 mod free_field;
 mod joints;
+mod names;
 mod opening_slice;
+mod report;
 mod resolution;
 mod shell_octant;
 mod sides;
+pub mod sweep;
 
 pub use check::{CheckReport, Warning, check, warnings};
 pub use cost::Cost;
 pub use error::StudyError;
 pub use free_field::{FreeFieldCheck, FreeFieldReport, PointError};
 pub use joints::JointOverview;
+pub use names::registry;
 pub use opening_slice::OpeningSlice;
+pub use report::write_report;
 pub use resolution::Resolution;
 pub use shell_octant::ShellOctant;

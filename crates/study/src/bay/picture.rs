@@ -1,0 +1,90 @@
+//! Pictures of the mesh of a bay.
+
+use std::path::Path;
+
+use powerhouse::io::{IoError, Picture, PictureField, PictureView, SectionPlane, write_picture};
+use powerhouse::model::Vec3;
+
+use super::{BayMesh, BayPart};
+use crate::StudyError;
+use crate::excerpt::excerpt;
+
+/// How far the picture of the caverns reaches around them (m).
+const AROUND: f64 = 10.0;
+
+/// What a picture tells apart.
+const KINDS: [&str; 8] = [
+    "rock", "arch", "wall", "base", "mass", "pier", "shield", "floor",
+];
+
+/// The place of a part's kind among [`KINDS`].
+fn kind(part: BayPart) -> usize {
+    match part {
+        BayPart::ArchMain | BayPart::ArchTransformer => 1,
+        BayPart::WallMain | BayPart::WallTransformer => 2,
+        BayPart::BaseMain | BayPart::FloorTransformer => 3,
+        BayPart::Mass => 4,
+        BayPart::Pier => 5,
+        BayPart::Windshield => 6,
+        BayPart::FloorGenerator | BayPart::FloorBusbar | BayPart::FloorTurbine => 7,
+        BayPart::Rock | BayPart::VoidMain | BayPart::VoidTransformer => 0,
+    }
+}
+
+impl BayMesh {
+    /// The number of the part of each element, as [`BayPart::ALL`] lists them.
+    ///
+    /// # Errors
+    /// None with the mesh of a bay.
+    pub fn part_numbers(&self) -> Result<Vec<f64>, StudyError> {
+        let mut numbers = vec![0.0; self.mesh.element_count()];
+        for (number, part) in BayPart::ALL.into_iter().enumerate() {
+            for &element in self.mesh.element_set(part.name())? {
+                numbers[element as usize] = number as f64;
+            }
+        }
+        Ok(numbers)
+    }
+
+    /// Draws the caverns and the rock about them, cut open across the halls at mid-bay, as PNG.
+    ///
+    /// # Errors
+    /// The file, if it cannot be written.
+    pub fn draw(&self, file: &Path) -> Result<(), StudyError> {
+        let numbers = self.part_numbers()?;
+        let structure = self
+            .mesh
+            .nodes_of_elements(self.mesh.element_set("structure")?);
+        let infinite = Vec3::repeat(f64::INFINITY);
+        let (low, high) = structure
+            .iter()
+            .fold((infinite, -infinite), |(low, high), &node| {
+                let position = self.mesh.positions()[node as usize];
+                (low.inf(&position), high.sup(&position))
+            });
+        let around = Vec3::new(AROUND, 0.0, AROUND);
+        let near = self.mesh.elements_in_box(&(low - around), &(high + around));
+        let is_there = |element: &u32| {
+            let part = BayPart::ALL[numbers[*element as usize] as usize];
+            part == BayPart::Rock || part.is_concrete()
+        };
+        let shown: Vec<u32> = near.into_iter().filter(is_there).collect();
+        let part = excerpt(&self.mesh, &shown)?;
+        let kind = |&element: &u32| {
+            let part = BayPart::ALL[numbers[element as usize] as usize];
+            kind(part) as f64
+        };
+        let values: Vec<f64> = shown.iter().map(kind).collect();
+        let mut picture = Picture::new(&part, PictureField::Elemental(&values), "part");
+        picture.title = "machine bay, cut open at its middle".into();
+        picture.names = &KINDS;
+        picture.view = PictureView::along(Vec3::y());
+        picture.section = Some(SectionPlane {
+            point: (low + high) / 2.0,
+            normal: -Vec3::y(),
+        });
+        picture.width = 1600;
+        write_picture(file, &picture).map_err(|error: IoError| powerhouse::Error::from(error))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,136 @@
+//! The plots of a report.
+
+use std::path::{Path, PathBuf};
+
+use powerhouse::io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot};
+
+use super::CaseFiles;
+use crate::StudyError;
+use crate::sweep::Peak;
+
+/// The history that is drawn for all cases.
+const POINT: &str = "A";
+
+/// The kind of wave and the angle (degrees) that the name of a case says, as in `sv-30`.
+pub(super) fn angle(case: &str) -> Option<(&str, f64)> {
+    let (kind, angle) = case.split_once('-')?;
+    Some((kind, angle.parse().ok()?))
+}
+
+/// Peaks against the angle of incidence, for each kind of wave with several angles: a plot for each.
+pub(super) fn by_angle(
+    cases: &[CaseFiles],
+    folder: &Path,
+    what: &str,
+) -> Result<Vec<(PathBuf, String)>, StudyError> {
+    let (label, unit, scale) = match what {
+        "stress" => ("greatest principal stress", "MPa", 1e-6),
+        _ => ("greatest relative displacement", "mm", 1e3),
+    };
+    let of = |case: &CaseFiles| -> Vec<Peak> {
+        match what {
+            "stress" => case.outcome.stresses.clone(),
+            _ => case.outcome.relative.clone(),
+        }
+    };
+    let mut plots = Vec::new();
+    for kind in ["sv", "p", "sh"] {
+        let mut known: Vec<(f64, Vec<Peak>)> = (cases.iter())
+            .filter_map(|case| {
+                let (found, angle) = angle(&case.outcome.name)?;
+                (found == kind).then(|| (angle, of(case)))
+            })
+            .collect();
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if known.len() < 2 || known[0].1.is_empty() {
+            continue;
+        }
+        let angles: Vec<f64> = known.iter().map(|(angle, _)| *angle).collect();
+        let names: Vec<String> = known[0].1.iter().map(|peak| peak.name.clone()).collect();
+        let values: Vec<Vec<f64>> = (0..names.len())
+            .map(|place| {
+                let peaks = known.iter().map(|(_, peaks)| peaks.get(place));
+                peaks
+                    .map(|peak| peak.map_or(0.0, |peak| scale * peak.value))
+                    .collect()
+            })
+            .collect();
+        let curves = names.iter().zip(&values);
+        let plot = Plot {
+            title: String::new(),
+            label: "angle of incidence".into(),
+            unit: "degrees".into(),
+            panels: vec![PlotPanel {
+                label: label.into(),
+                unit: unit.into(),
+                curves: curves
+                    .map(|(name, y)| PlotCurve {
+                        name,
+                        x: &angles,
+                        y,
+                    })
+                    .collect(),
+            }],
+        };
+        let file = folder.join(format!("{what}-{kind}.svg"));
+        write_plot(&file, &plot).map_err(powerhouse::Error::from)?;
+        plots.push((file, format!("{label}, {} waves", kind.to_uppercase())));
+    }
+    Ok(plots)
+}
+
+/// A history of the crown for the cases of each kind of wave: a plot for each.
+pub(super) fn histories(
+    cases: &[CaseFiles],
+    folder: &Path,
+    component: &str,
+) -> Result<Vec<(PathBuf, String)>, StudyError> {
+    let (name, unit, scale, label) = match component {
+        ".s1" => (
+            format!("{POINT}-concrete.s1"),
+            "MPa",
+            1e-6,
+            "greatest principal stress",
+        ),
+        other => (format!("{POINT}{other}"), "mm", 1e3, "displacement"),
+    };
+    let mut plots = Vec::new();
+    for kind in ["sv", "p", "sh"] {
+        let of_kind = cases.iter().filter(|case| {
+            let name = &case.outcome.name;
+            name.split_once('-').is_some_and(|(found, _)| found == kind)
+        });
+        let series: Vec<(&str, &[f64], Vec<f64>)> = of_kind
+            .filter_map(|case| {
+                let time = case.histories.first()?;
+                let column = column(&case.histories, &name)?;
+                let values = column.values.iter().map(|value| scale * value);
+                Some((&*case.outcome.name, &*time.values, values.collect()))
+            })
+            .collect();
+        if series.is_empty() {
+            continue;
+        }
+        let plot = Plot {
+            title: String::new(),
+            label: "time".into(),
+            unit: "s".into(),
+            panels: vec![PlotPanel {
+                label: format!("{label} at {POINT}"),
+                unit: unit.into(),
+                curves: (series.iter())
+                    .map(|(name, x, y)| PlotCurve { name, x, y })
+                    .collect(),
+            }],
+        };
+        let file = folder.join(format!("history{}-{kind}.svg", component.replace('.', "-")));
+        write_plot(&file, &plot).map_err(powerhouse::Error::from)?;
+        let caption = format!("{label} ({name}), {} waves", kind.to_uppercase());
+        plots.push((file, caption));
+    }
+    Ok(plots)
+}
+
+fn column<'t>(table: &'t [TableColumn], name: &str) -> Option<&'t TableColumn> {
+    table.iter().find(|column| column.name == name)
+}

@@ -1,0 +1,71 @@
+//! The page of a single run.
+
+use std::path::{Path, PathBuf};
+
+use super::page::{Page, Table};
+use super::{read_summary, tables};
+use crate::StudyError;
+
+/// The page of a folder of results.
+pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
+    let summary = read_summary(folder);
+    let Some(title) = summary["title"].as_str() else {
+        let folder = folder.into();
+        return Err(StudyError::NoResults { folder });
+    };
+    let mut page = Page::new(title);
+    page.section("Run");
+    page.paragraph(&tables::repetition(&summary));
+    let real = |key: &str| tables::number(summary[key].as_f64().unwrap_or(0.0));
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    page.table(&Table {
+        head: vec!["".into(), "".into()],
+        rows: vec![
+            row("steps", summary["steps"].to_string()),
+            row("step (s)", real("step")),
+            row("end (s)", real("end_time")),
+            row("wall time (s)", real("wall_time")),
+        ],
+    });
+    page.section("Peaks");
+    let peaks = summary["peaks"].as_array();
+    let rows = peaks.into_iter().flatten().map(|peak| {
+        let text = |key: &str| peak[key].as_str().unwrap_or("").to_owned();
+        let real = |key: &str| tables::number(peak[key].as_f64().unwrap_or(0.0));
+        vec![text("name"), real("value"), text("unit"), real("time")]
+    });
+    page.table(&Table {
+        head: ["name", "value", "unit", "time (s)"]
+            .map(str::to_owned)
+            .to_vec(),
+        rows: rows.collect(),
+    });
+    for (section, below, end) in [("Plots", "plots", "svg"), ("Pictures", "pictures", "png")] {
+        let files = files(&folder.join(below), end);
+        if !files.is_empty() {
+            page.section(section);
+        }
+        for file in files {
+            let name = file
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            page.figure(&file, &name)?;
+        }
+    }
+    page.section("The scene");
+    page.file(&folder.join("scene.toml"))?;
+    Ok(page)
+}
+
+/// The files of a folder with an extension, by name.
+fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|found| found == extension))
+        .collect();
+    files.sort();
+    files
+}

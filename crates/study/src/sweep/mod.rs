@@ -1,0 +1,307 @@
+//! Sweeps: the cases of a scene, one after the other.
+//!
+//! The stages before the motion are gone through once for all cases that share them. A case that was
+//! finished before, from the same files and by the same version, is not run again: its mark stands
+//! in its folder, and goes there last.
+//!
+//! ```no_run
+//! use powerhouse_study::sweep::{Silent, Sweep};
+//! let sweep = Sweep::of_file("data/scenes/wang_2019.toml", None)?;
+//! for outcome in sweep.run(None, &mut Silent)? {
+//!     println!("{}: {} steps", outcome.name, outcome.steps);
+//! }
+//! # Ok::<(), powerhouse_study::StudyError>(())
+//! ```
+
+mod mark;
+mod outcome;
+mod pictures;
+mod table;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use powerhouse::engine::Ended;
+use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
+use powerhouse::wavefield::TimeHistory;
+use powerhouse::{BodyAtRest, ProgressHook, Registry, ResultFolder, RunHooks, Scene, StageSink};
+
+use crate::{StudyError, registry};
+use mark::Mark;
+pub use outcome::{CaseOutcome, DamageOutcome, JointCase, Peak};
+
+/// The file of a case's outcome in its folder.
+pub(crate) const OUTCOME: &str = "outcome.json";
+/// The file of its mark.
+const MARK: &str = "finished.json";
+/// The table of all cases in the folder of the sweep.
+pub(crate) const TABLE: &str = "sweep.csv";
+/// The file of the order of the cases.
+pub(crate) const CASES: &str = "cases.json";
+
+/// The start of the names of the files of records.
+pub(crate) const RECORD: &str = "record-";
+
+/// Is told how a sweep goes.
+pub trait SweepWatch {
+    /// A case begins: its name, its place from 1, how many there are.
+    fn begins(&mut self, _case: &str, _place: usize, _of: usize) {}
+    /// A case was finished before.
+    fn kept(&mut self, _case: &str) {}
+    /// The body has gone through its stages for this case and those like it.
+    fn at_rest(&mut self, _case: &str, _took: Duration) {}
+    /// The hook for the steps of a case.
+    fn progress(&mut self, _case: &str) -> Option<ProgressHook<'static>> {
+        None
+    }
+    /// What is shown the stages, with the files that they write.
+    fn stages(&mut self, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
+        files
+    }
+    /// A case is finished.
+    fn ends(&mut self, _outcome: &CaseOutcome) {}
+}
+
+/// Hears nothing.
+pub struct Silent;
+
+impl SweepWatch for Silent {}
+
+/// The cases of a scene file.
+pub struct Sweep {
+    scene: PathBuf,
+    registry: Registry,
+    cases: Vec<String>,
+    folder: PathBuf,
+    mark: Mark,
+    duration: Option<f64>,
+    /// The records as they enter the waves.
+    records: Vec<(String, TimeHistory)>,
+}
+
+impl Sweep {
+    /// The cases of a scene file; results go to a folder, by default that of the scene.
+    ///
+    /// # Errors
+    /// A scene that cannot be read, [`StudyError::NoCases`].
+    pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
+        let (path, registry) = (path.as_ref(), registry());
+        let scene = Scene::from_file_with(path, &registry)?;
+        if scene.case_names().is_empty() {
+            let file = path.into();
+            return Err(StudyError::NoCases { file });
+        }
+        let own = scene.result_folder().path().to_path_buf();
+        let text = scene.source().map_or("", |source| &source.text);
+        let files = inputs(path, text)?;
+        let records = scene.records().iter();
+        let records = records.map(|(name, history)| (name.clone(), history.clone()));
+        Ok(Self {
+            records: records.collect(),
+            mark: Mark::of(text, &files, None),
+            scene: path.into(),
+            cases: scene.case_names().to_vec(),
+            folder: folder.unwrap_or(own),
+            registry,
+            duration: None,
+        })
+    }
+
+    /// The same with only some of the cases.
+    ///
+    /// # Errors
+    /// [`StudyError::Scene`] for a name that is no case.
+    pub fn only(mut self, cases: &[String]) -> Result<Self, StudyError> {
+        if let Some(name) = cases.iter().find(|name| !self.cases.contains(name)) {
+            let (name, available) = (name.clone(), self.cases);
+            return Err(powerhouse::Error::NoSuchCase { name, available }.into());
+        }
+        self.cases.retain(|case| cases.contains(case));
+        Ok(self)
+    }
+
+    /// The same with another duration of every case (s).
+    ///
+    /// # Errors
+    /// As [`of_file`](Self::of_file): the files are read again.
+    pub fn lasting(mut self, duration: f64) -> Result<Self, StudyError> {
+        let text = read(&self.scene)?;
+        let text = String::from_utf8_lossy(&text).into_owned();
+        let files = inputs(&self.scene, &text)?;
+        self.mark = Mark::of(&text, &files, Some(duration));
+        self.duration = Some(duration);
+        Ok(self)
+    }
+
+    /// The names of the cases.
+    pub fn cases(&self) -> &[String] {
+        &self.cases
+    }
+    /// The folder of the results, in which each case has one of its name.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Runs the cases that are not finished yet; writes the results of each, and a table of all.
+    ///
+    /// # Errors
+    /// The first case that is refused or fails; [`StudyError::Interrupted`] if it was stopped from
+    /// outside. What was finished until then stays, and another run goes on from there.
+    pub fn run(
+        &self,
+        stop: Option<&Arc<AtomicBool>>,
+        watch: &mut dyn SweepWatch,
+    ) -> Result<Vec<CaseOutcome>, StudyError> {
+        let mut bodies = BTreeMap::new();
+        let mut outcomes = Vec::with_capacity(self.cases.len());
+        self.write_inputs()?;
+        for (place, case) in self.cases.iter().enumerate() {
+            watch.begins(case, place + 1, self.cases.len());
+            let folder = self.folder.join(case);
+            let outcome = if self.mark.is_in(&folder.join(MARK)) {
+                watch.kept(case);
+                CaseOutcome::read(&folder.join(OUTCOME))?
+            } else {
+                let found = self.case(case, &folder, (stop, watch), &mut bodies)?;
+                watch.ends(&found);
+                found
+            };
+            outcomes.push(outcome);
+            table::write(&self.folder.join(TABLE), &outcomes)?;
+        }
+        Ok(outcomes)
+    }
+
+    /// Writes the order of the cases and the records.
+    fn write_inputs(&self) -> Result<(), StudyError> {
+        let cases = self.folder.join(CASES);
+        write_summary(&cases, &self.cases).map_err(powerhouse::Error::from)?;
+        for (name, history) in &self.records {
+            let count = history.samples();
+            let times = (0..count).map(|sample| sample as f64 * history.step());
+            let columns = [
+                TableColumn::new("time", "s", times.collect()),
+                TableColumn::new(name.clone(), "m/s2", history.acceleration()),
+            ];
+            let file = self.folder.join(format!("{RECORD}{name}.csv"));
+            write_table(&file, &columns).map_err(powerhouse::Error::from)?;
+        }
+        Ok(())
+    }
+
+    /// Runs one case.
+    fn case(
+        &self,
+        case: &str,
+        path: &Path,
+        (stop, watch): (Option<&Arc<AtomicBool>>, &mut dyn SweepWatch),
+        bodies: &mut BTreeMap<String, BodyAtRest>,
+    ) -> Result<CaseOutcome, StudyError> {
+        let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
+        if let Some(duration) = self.duration {
+            scene = scene.duration(duration);
+        }
+        let folder = ResultFolder::new(path);
+        let text = scene.source().map(|source| source.text.clone());
+        let relative = scene.output_plan().relative.iter();
+        let relative: Vec<String> = relative.map(|wish| wish.name.clone()).collect();
+        let body = body_of(&scene);
+        let title = format!("{}: {case}", scene.title());
+        let simulation = scene.prepare()?;
+        let (mesh, remarks) = (simulation.mesh().clone(), simulation.remarks().to_vec());
+        folder.create()?;
+        folder.clear()?;
+        let at_rest = match bodies.get(&body) {
+            Some(body) => Some(body.clone()),
+            None => {
+                let started = Instant::now();
+                let files = folder.stages(&mesh, simulation.joint_surfaces())?;
+                let found = simulation.bring_to_rest(stop, Some(watch.stages(files)));
+                let found = found.map_err(|error| match error {
+                    powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
+                    error => error.into(),
+                })?;
+                if let Some(found) = &found {
+                    watch.at_rest(case, started.elapsed());
+                    bodies.insert(body, found.clone());
+                }
+                found
+            }
+        };
+        let hooks = RunHooks {
+            progress: watch.progress(case),
+            stop: stop.cloned(),
+            snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
+            at_rest,
+            ..RunHooks::default()
+        };
+        let results = simulation.run(hooks)?;
+        let stopped = stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
+        folder.write((&title, &mesh), &results, &remarks, text.as_deref())?;
+        if results.run.ended == Ended::Stopped || (stopped && results.run.ended != Ended::Completed)
+        {
+            return Err(StudyError::Interrupted);
+        }
+        pictures::draw(path, &mesh, &results)?;
+        let outcome = CaseOutcome::of(case, &mesh, &results, &relative);
+        let write = |name: &str, content: &dyn Fn(&Path) -> Result<(), powerhouse::io::IoError>| {
+            content(&path.join(name)).map_err(powerhouse::Error::from)
+        };
+        write(OUTCOME, &|file| write_summary(file, &outcome))?;
+        // The mark goes last: without it the case is not finished.
+        write(MARK, &|file| write_summary(file, &self.mark))?;
+        // As another sweep would find it: a number may lose its last bit in a file.
+        CaseOutcome::read(&path.join(OUTCOME))
+    }
+}
+
+/// What two cases must share for one body at rest to serve both: the joints and the faces that absorb,
+/// along which rock is elastic.
+fn body_of(scene: &Scene) -> String {
+    let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
+    let boundary = scene.absorbing_boundary();
+    let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
+    format!("{joints:?} {faces:?}")
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, StudyError> {
+    std::fs::read(file).map_err(|source| StudyError::Read {
+        file: file.into(),
+        source,
+    })
+}
+
+/// The bytes of the files that a scene names, mesh, records and others: of every text in it that is
+/// the path of a file.
+fn inputs(path: &Path, text: &str) -> Result<Vec<Vec<u8>>, StudyError> {
+    let table: toml::Table = toml::from_str(text).map_err(|source| StudyError::BayFile {
+        file: path.into(),
+        source: Box::new(source),
+    })?;
+    let mut texts = Vec::new();
+    table.values().for_each(|value| texts_in(value, &mut texts));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let files = texts.into_iter().map(|text| folder.join(text));
+    files
+        .filter(|file| file.is_file())
+        .map(|file| read(&file))
+        .collect()
+}
+
+/// All texts in a value.
+fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
+    match value {
+        toml::Value::String(text) => texts.push(text.clone()),
+        toml::Value::Array(items) => items.iter().for_each(|item| texts_in(item, texts)),
+        toml::Value::Table(table) => table.values().for_each(|item| texts_in(item, texts)),
+        _ => {}
+    }
+}
+
+/// Writes a text whole or not at all.
+pub(crate) fn write_text(file: &Path, text: &str) -> Result<(), StudyError> {
+    Ok(write_whole(file, text.as_bytes()).map_err(powerhouse::Error::from)?)
+}

@@ -1,0 +1,193 @@
+//! What a case of a sweep came to, in the numbers that cases are compared by.
+
+use powerhouse::Results;
+use powerhouse::engine::observe::{HistoryTable, JointOutcome};
+use powerhouse::model::Mesh;
+use serde::{Deserialize, Serialize};
+
+use crate::StudyError;
+
+/// Damage from which on an element counts as damaged.
+const DAMAGED: f64 = 0.1;
+
+/// The greatest of a history and when it was.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Peak {
+    /// The name of the history.
+    pub name: String,
+    /// Its greatest value (Pa or m).
+    pub value: f64,
+    /// When (s).
+    pub time: f64,
+}
+
+/// Damage of one kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DamageOutcome {
+    /// What the law calls it: `damage`, `damage_tension`, `damage_compression`.
+    pub name: String,
+    /// The greatest value.
+    pub greatest: f64,
+    /// The user's number of the element.
+    pub element: u64,
+    /// How many elements have more than a tenth.
+    pub damaged: usize,
+    /// How many elements there are of laws that remember damage.
+    pub of: usize,
+}
+
+/// A joint at the end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointCase {
+    /// Its name.
+    pub name: String,
+    /// Area (m2).
+    pub area: f64,
+    /// Shares of the area that slipped, opened, and lost their bond.
+    pub slipped: f64,
+    /// See `slipped`.
+    pub opened: f64,
+    /// See `slipped`.
+    pub broken: f64,
+    /// Largest accumulated slip (m).
+    pub slip: f64,
+    /// Largest opening (m).
+    pub opening: f64,
+}
+
+/// A case of a sweep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaseOutcome {
+    /// Its name.
+    pub name: String,
+    /// Steps.
+    pub steps: u64,
+    /// Their length (s).
+    pub step: f64,
+    /// Time at the end (s).
+    pub end: f64,
+    /// Wall time of the motion (s), that of stages not in it.
+    pub wall_time: f64,
+    /// The largest residual of the energy ledger over the largest energy.
+    pub energy_residual: f64,
+    /// Greatest principal stress (Pa) of each history of stress.
+    pub stresses: Vec<Peak>,
+    /// Greatest displacement (m) of each history.
+    pub displacements: Vec<Peak>,
+    /// Greatest relative displacement (m).
+    pub relative: Vec<Peak>,
+    /// Damage.
+    pub damage: Vec<DamageOutcome>,
+    /// Joints.
+    pub joints: Vec<JointCase>,
+    /// Greatest axial force of each set of bolts at the end (N).
+    pub bolts: Vec<Peak>,
+}
+
+impl CaseOutcome {
+    /// The outcome of a run whose relative displacements have these names.
+    pub(super) fn of(name: &str, mesh: &Mesh, results: &Results, relative: &[String]) -> Self {
+        let run = &results.run;
+        let (relative, displacements) = displacement_peaks(&results.histories)
+            .into_iter()
+            .partition(|peak| relative.contains(&peak.name));
+        let damage = results.state.iter().flat_map(|state| {
+            let of = state.peaks.iter();
+            let named = of.filter(|(variable, _)| variable.name.starts_with("damage"));
+            named.filter_map(|(variable, peaks)| {
+                let greatest = |place: &usize| peaks.values[*place];
+                let all = 0..peaks.values.len();
+                let at = all.max_by(|a, b| greatest(a).total_cmp(&greatest(b)))?;
+                Some(DamageOutcome {
+                    name: variable.name.to_string(),
+                    greatest: peaks.values[at],
+                    element: mesh.element_tags()[state.elements[at] as usize],
+                    damaged: peaks.values.iter().filter(|&&d| d > DAMAGED).count(),
+                    of: peaks.values.len(),
+                })
+            })
+        });
+        let whole = |outcome: &&JointOutcome| outcome.name == outcome.joint;
+        let joints = results.joint_outcomes.iter().filter(whole);
+        Self {
+            name: name.into(),
+            steps: run.steps,
+            step: run.step,
+            end: run.time,
+            wall_time: results.wall_time.as_secs_f64(),
+            energy_residual: run.energy_residual,
+            stresses: stress_peaks(&results.histories),
+            displacements,
+            relative,
+            damage: damage.collect(),
+            joints: joints
+                .map(|joint| JointCase {
+                    name: joint.name.clone(),
+                    area: joint.area,
+                    slipped: joint.slipped,
+                    opened: joint.opened,
+                    broken: joint.broken,
+                    slip: joint.slip.0,
+                    opening: joint.peak_opening.0,
+                })
+                .collect(),
+            bolts: (results.bolts.iter())
+                .map(|bolts| Peak {
+                    name: bolts.name.clone(),
+                    value: bolts.greatest().map_or(0.0, |(_, force)| force.abs()),
+                    time: run.time,
+                })
+                .collect(),
+        }
+    }
+
+    /// Reads an outcome that was written before.
+    ///
+    /// # Errors
+    /// [`StudyError::Read`], [`StudyError::Outcome`].
+    pub fn read(file: &std::path::Path) -> Result<Self, StudyError> {
+        let text = std::fs::read(file).map_err(|source| StudyError::Read {
+            file: file.into(),
+            source,
+        })?;
+        serde_json::from_slice(&text).map_err(|source| StudyError::Outcome {
+            file: file.into(),
+            source,
+        })
+    }
+}
+
+/// The greatest of each column of a greatest principal stress.
+fn stress_peaks(table: &HistoryTable) -> Vec<Peak> {
+    let columns = table.columns.iter();
+    let of = columns.filter_map(|column| Some((column.name.strip_suffix(".s1")?, column)));
+    of.filter_map(|(name, column)| greatest(name, &table.times, &column.values))
+        .collect()
+}
+
+/// The greatest length of each displacement.
+fn displacement_peaks(table: &HistoryTable) -> Vec<Peak> {
+    let names = table
+        .columns
+        .iter()
+        .filter_map(|column| column.name.strip_suffix(".ux"));
+    let peaks = names.filter_map(|name| {
+        let component = |axis: &str| table.column(&format!("{name}.{axis}"));
+        let [x, y, z] = [component("ux")?, component("uy")?, component("uz")?];
+        let lengths: Vec<f64> = (0..table.times.len())
+            .map(|i| x.values[i].hypot(y.values[i]).hypot(z.values[i]))
+            .collect();
+        greatest(name, &table.times, &lengths)
+    });
+    peaks.collect()
+}
+
+fn greatest(name: &str, times: &[f64], values: &[f64]) -> Option<Peak> {
+    let samples = times.iter().zip(values);
+    let (time, value) = samples.max_by(|a, b| a.1.total_cmp(b.1))?;
+    Some(Peak {
+        name: name.into(),
+        value: *value,
+        time: *time,
+    })
+}

@@ -1,0 +1,62 @@
+//! Pictures of a case: what its structure suffered, cut open where its middle is.
+
+use std::path::Path;
+
+use powerhouse::Results;
+use powerhouse::io::{ColourMap, Picture, PictureField, PictureView, SectionPlane, write_picture};
+use powerhouse::model::{Mesh, Vec3};
+
+use crate::StudyError;
+use crate::excerpt::excerpt;
+
+/// The element set that is drawn.
+const STRUCTURE: &str = "structure";
+
+/// Draws the greatest damage and principal stress of the structure into a folder; nothing if the mesh
+/// names no structure.
+pub(super) fn draw(folder: &Path, mesh: &Mesh, results: &Results) -> Result<(), StudyError> {
+    let Ok(structure) = mesh.element_set(STRUCTURE) else {
+        return Ok(());
+    };
+    let body = excerpt(mesh, structure)?;
+    let (low, high) = body.bounding_box();
+    let draw = |name: &str, label: &str, range, values: &[f64]| -> Result<(), StudyError> {
+        let mut picture = Picture::new(&body, PictureField::Elemental(values), label);
+        picture.view = PictureView {
+            direction: Vec3::new(-0.35, 1.0, -0.3),
+            up: Vec3::z(),
+        };
+        picture.section = Some(SectionPlane {
+            point: (low + high) / 2.0,
+            normal: -Vec3::y(),
+        });
+        picture.range = range;
+        picture.colours = ColourMap::default();
+        let file = folder.join(format!("pictures/structure-{name}.png"));
+        Ok(write_picture(&file, &picture).map_err(powerhouse::Error::from)?)
+    };
+    let of = |elements: &[u32], values: &[f64]| -> Vec<f64> {
+        let known: std::collections::HashMap<u32, f64> = elements
+            .iter()
+            .copied()
+            .zip(values.iter().copied())
+            .collect();
+        let value = |element: &u32| known.get(element).copied().unwrap_or(0.0);
+        structure.iter().map(value).collect()
+    };
+    if let Some(state) = &results.state {
+        let damages = state.peaks.iter();
+        for (variable, peaks) in damages.filter(|(v, _)| v.name.starts_with("damage")) {
+            let values = of(&state.elements, &peaks.values);
+            draw(variable.name, variable.name, Some([0.0, 1.0]), &values)?;
+        }
+    }
+    if let Some(envelope) = &results.envelope
+        && !envelope.greatest_stress.values.is_empty()
+    {
+        let values = of(&envelope.elements, &envelope.greatest_stress.values);
+        let values: Vec<f64> = values.iter().map(|stress| 1e-6 * stress).collect();
+        draw("stress", "greatest principal stress (MPa)", None, &values)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,62 @@
+//! The table of all cases.
+
+use std::path::Path;
+
+use super::{CaseOutcome, Peak, write_text};
+use crate::StudyError;
+
+/// Writes one line for each case: numbers with the names of what they are of.
+pub(super) fn write(file: &Path, outcomes: &[CaseOutcome]) -> Result<(), StudyError> {
+    let mut columns: Vec<String> = Vec::new();
+    let lines: Vec<Vec<(String, f64)>> = outcomes.iter().map(cells).collect();
+    for (name, _) in lines.iter().flatten() {
+        if !columns.contains(name) {
+            columns.push(name.clone());
+        }
+    }
+    let mut text = format!("case,{}\n", columns.join(","));
+    for (outcome, cells) in outcomes.iter().zip(&lines) {
+        let value = |column: &String| {
+            let found = cells.iter().find(|(name, _)| name == column);
+            found.map_or(String::new(), |(_, value)| format!("{value:e}"))
+        };
+        let values: Vec<String> = columns.iter().map(value).collect();
+        text += &format!("{},{}\n", outcome.name, values.join(","));
+    }
+    write_text(file, &text)
+}
+
+/// The numbers of a case by name, with their units.
+fn cells(outcome: &CaseOutcome) -> Vec<(String, f64)> {
+    let mut cells = vec![
+        ("steps".into(), outcome.steps as f64),
+        ("end [s]".into(), outcome.end),
+        ("wall time [s]".into(), outcome.wall_time),
+    ];
+    let mut put = |what: &str, unit: &str, peaks: &[Peak]| {
+        for peak in peaks {
+            cells.push((format!("{what} {} [{unit}]", peak.name), peak.value));
+        }
+    };
+    put("principal stress", "Pa", &outcome.stresses);
+    put("displacement", "m", &outcome.displacements);
+    put("relative displacement", "m", &outcome.relative);
+    put("bolt force", "N", &outcome.bolts);
+    for damage in &outcome.damage {
+        cells.push((format!("greatest {}", damage.name), damage.greatest));
+        let name = format!("elements with {} above 0.1", damage.name);
+        cells.push((name, damage.damaged as f64));
+    }
+    for joint in &outcome.joints {
+        for (what, value) in [
+            ("slipped", joint.slipped),
+            ("opened", joint.opened),
+            ("broken", joint.broken),
+            ("slip [m]", joint.slip),
+            ("opening [m]", joint.opening),
+        ] {
+            cells.push((format!("joint {} {what}", joint.name), value));
+        }
+    }
+    cells
+}

@@ -1,0 +1,287 @@
+//! Sweeps: cases of a scene, their shared stages, what is not run again.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use powerhouse::io::read_table;
+use powerhouse::{Error, RunHooks, Scene};
+use powerhouse_study::sweep::{CaseOutcome, Silent, Sweep, SweepWatch};
+use powerhouse_study::{StudyError, registry, write_report};
+
+const BAY: &str = "size = \"coarse\"\n[dimensions]\nbelow = 50\n";
+
+/// The smallest bay in a scene of its own folder: elastic, one stage, two cases and one without joint.
+const SCENE: &str = r#"
+title = "bay"
+[mesh]
+generator = "bay"
+file = "bay.toml"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 9e9
+poisson = 0.27
+density = 2750
+[[part]]
+set = "rock"
+material = "rock"
+[[part]]
+set = "void"
+material = "rock"
+[[part]]
+set = "structure"
+material = "rock"
+[[joint]]
+name = "seam"
+between = ["rock", "structure"]
+law = "bonded-coulomb"
+cohesion = 1e6
+tensile_strength = 1e6
+static_friction = 0.8
+dynamic_friction = 0.7
+[[load]]
+kind = "gravity"
+[[support]]
+kind = "roller"
+set = "front"
+[[support]]
+kind = "roller"
+set = "back"
+[in_situ_stress]
+kind = "ground"
+level = 0
+density = 2750
+lateral = 0.37
+[[stage]]
+name = "opening"
+excavate = ["void"]
+tied = ["seam"]
+tolerance = 1e-3
+support = [
+    { kind = "roller", set = "left" },
+    { kind = "roller", set = "right" },
+    { kind = "roller", set = "bottom" },
+]
+[[wave]]
+kind = "p"
+incidence = 0
+pulse = { kind = "smooth", displacement = 0.01, duration = 0.1 }
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "bottom"]
+scatterer = [27, 6.85, -170]
+[time]
+duration = 0.05
+[output]
+every = 0.005
+[[output.history]]
+name = "A"
+set = "point_A"
+quantities = ["displacement"]
+[[output.relative]]
+name = "A-O1"
+set = "point_A"
+from_set = "point_O1"
+[[case]]
+name = "steep"
+[[case]]
+name = "slanted"
+wave = [{ kind = "p", incidence = 20, pulse = { kind = "smooth", displacement = 0.01, duration = 0.1 } }]
+[[case]]
+name = "continuous"
+continuous = ["seam"]
+"#;
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("powerhouse-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        std::fs::write(path.join("bay.toml"), BAY).unwrap();
+        std::fs::write(path.join("scene.toml"), SCENE).unwrap();
+        Self(path)
+    }
+    fn scene(&self) -> PathBuf {
+        self.0.join("scene.toml")
+    }
+    fn sweep(&self) -> Sweep {
+        Sweep::of_file(self.scene(), Some(self.0.join("out"))).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Counts what a sweep tells.
+#[derive(Default)]
+struct Count {
+    kept: Vec<String>,
+    at_rest: Vec<String>,
+    ended: Vec<String>,
+}
+
+impl SweepWatch for Count {
+    fn kept(&mut self, case: &str) {
+        self.kept.push(case.into());
+    }
+    fn at_rest(&mut self, case: &str, _took: Duration) {
+        self.at_rest.push(case.into());
+    }
+    fn ends(&mut self, outcome: &CaseOutcome) {
+        self.ended.push(outcome.name.clone());
+    }
+}
+
+/// Cases run one after the other; the stages are gone through once for those that share joints and
+/// faces; finished cases are not run again, until an input changes.
+#[test]
+fn finished_cases_are_kept_and_stages_are_shared() {
+    let folder = Folder::new("sweep");
+    let mut count = Count::default();
+    let first = folder.sweep().run(None, &mut count).unwrap();
+    assert_eq!(count.ended, ["steep", "slanted", "continuous"]);
+    assert_eq!(count.at_rest, ["steep", "continuous"]);
+    assert_eq!((first[0].joints.len(), first[2].joints.len()), (1, 0));
+    assert_eq!(first[0].relative[0].name, "A-O1");
+    assert!(first.iter().all(|case| case.relative[0].value > 1e-4));
+
+    let mut count = Count::default();
+    let again = folder.sweep().run(None, &mut count).unwrap();
+    assert_eq!((count.kept.len(), count.ended.len()), (3, 0));
+    assert_eq!(again, first);
+
+    // One case is lost: that one alone is run again, and comes to the same motion.
+    std::fs::remove_file(folder.0.join("out/slanted/finished.json")).unwrap();
+    let mut count = Count::default();
+    let mended = folder.sweep().run(None, &mut count).unwrap();
+    assert_eq!(count.ended, ["slanted"]);
+    assert_eq!(mended[1].relative, first[1].relative);
+
+    // An edited mesh is another job.
+    let other = format!("{BAY}cover = 100\n");
+    std::fs::write(folder.0.join("bay.toml"), other).unwrap();
+    let mut count = Count::default();
+    let only = folder.sweep().only(&["steep".into()]).unwrap();
+    only.run(None, &mut count).unwrap();
+    assert_eq!(count.ended, ["steep"]);
+}
+
+/// A report is one page that needs nothing beside it: it names every case and carries its plots and the
+/// scene; that of a single run has its peaks; a folder without results has none.
+#[test]
+fn a_report_needs_nothing_beside_it() {
+    let folder = Folder::new("report");
+    let sweep = folder.sweep().lasting(0.01).unwrap();
+    sweep.run(None, &mut Silent).unwrap();
+    let page = |path: &Path| std::fs::read_to_string(write_report(path).unwrap()).unwrap();
+    let sweep = page(&folder.0.join("out"));
+    for wanted in [
+        "steep",
+        "slanted",
+        "continuous",
+        "A-O1",
+        "Before the earthquake",
+        "[[case]]",
+    ] {
+        assert!(sweep.contains(wanted), "{wanted}");
+    }
+    let run = page(&folder.0.join("out/steep"));
+    assert!(run.contains("A-O1.ux"));
+    for text in [&sweep, &run] {
+        assert!(text.contains("src=\"data:image/svg+xml;base64,"));
+        assert!(!text.contains("http") && !text.contains("src=\"/") && !text.contains("<script"));
+        assert!(text.ends_with("</body></html>\n"));
+    }
+    let none = write_report(folder.0.join("nothing")).unwrap_err();
+    assert!(
+        none.to_string().contains("neither a sweep nor a run"),
+        "{none}"
+    );
+}
+
+/// A case from the shared body at rest moves as the case run by itself, to the last bit.
+#[test]
+fn a_shared_body_moves_as_one_of_its_own() {
+    let folder = Folder::new("shared");
+    let sweep = folder.sweep().lasting(0.02).unwrap();
+    let cases = ["steep", "slanted"].map(str::to_owned);
+    sweep.only(&cases).unwrap().run(None, &mut Silent).unwrap();
+    let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
+    assert_eq!(scene.case(), Some("slanted"));
+    let scene = scene.duration(0.02);
+    let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
+    let shared = read_table(&folder.0.join("out/slanted/histories.csv")).unwrap();
+    for column in &results.histories.columns {
+        let found = shared.iter().find(|other| other.name == column.name);
+        assert_eq!(found.unwrap().values, column.values, "{}", column.name);
+    }
+}
+
+/// A body at rest of another scene is refused with the numbers that do not fit.
+#[test]
+fn a_foreign_body_is_refused() {
+    let folder = Folder::new("foreign");
+    let case = |name: &str| {
+        let scene = Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
+        scene.prepare().unwrap()
+    };
+    let body = case("continuous").bring_to_rest(None, None).unwrap();
+    let hooks = RunHooks {
+        at_rest: body,
+        ..RunHooks::default()
+    };
+    let Err(error) = case("steep").run(hooks) else {
+        panic!("a body of another mesh went unseen")
+    };
+    assert!(matches!(error, Error::ForeignBody { .. }), "{error}");
+}
+
+/// A sweep that is stopped says so, and goes on where it was.
+#[test]
+fn a_sweep_that_is_stopped_goes_on() {
+    let folder = Folder::new("stopped");
+    let stop = Arc::new(AtomicBool::new(true));
+    let stopped = folder.sweep().run(Some(&stop), &mut Silent);
+    assert!(matches!(stopped, Err(StudyError::Interrupted)));
+    let only = folder.sweep().only(&["steep".into()]).unwrap();
+    let done = only.lasting(0.01).unwrap().run(None, &mut Silent).unwrap();
+    assert!((done[0].end - 0.01).abs() < 1e-3);
+}
+
+/// Cases are named once and exist, generators too; a scene without cases is no sweep.
+#[test]
+fn what_is_no_case_is_refused() {
+    let folder = Folder::new("refused");
+    let write = |change: &dyn Fn(&str) -> String| {
+        std::fs::write(folder.scene(), change(SCENE)).unwrap();
+        Sweep::of_file(folder.scene(), None)
+            .err()
+            .map(|error| error.to_string())
+    };
+    let twice = write(&|text| text.replace("name = \"slanted\"", "name = \"steep\"")).unwrap();
+    assert!(
+        twice.contains("the case 'steep' is defined twice"),
+        "{twice}"
+    );
+    let unknown = write(&|text| text.replace("generator = \"bay\"", "generator = \"cave\""));
+    let unknown = unknown.unwrap();
+    assert!(
+        unknown.contains("there is no mesh generator 'cave'"),
+        "{unknown}"
+    );
+    let bad = write(&|text| text.replace("bay.toml", "scene.toml")).unwrap();
+    assert!(bad.contains("unknown field"), "{bad}");
+    let none = write(&|text| text[..text.find("[[case]]").unwrap()].into()).unwrap();
+    assert!(none.contains("has no [[case]]"), "{none}");
+    assert_eq!(write(&|text| text.into()), None);
+    let other = folder.sweep().only(&["flat".into()]).err().unwrap();
+    assert!(other.to_string().contains("no case 'flat'"), "{other}");
+    let lost = Scene::case_from_file_with(Path::new("lost.toml"), "steep", &registry());
+    assert!(matches!(lost, Err(Error::Read { .. })));
+}
