@@ -5,13 +5,15 @@ pub mod compare;
 
 use std::sync::Arc;
 
-use powerhouse::boundary::{AxisParameters, Spreading, ViscousSpring};
+use powerhouse::boundary::{AxisParameters, DomainReduction, Spreading, ViscousSpring};
 use powerhouse::engine::Support;
 use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
 use powerhouse::material::LinearElastic;
-use powerhouse::model::{ElasticMedium, Mesh, ParameterError, Vec3};
+use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Mesh, ParameterError, Vec3};
 use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, Signal, WaveKind};
-use powerhouse::{Boundary, InitialMotion, Material, OutputPlan, Part, RunHooks, Scene, TimeStep};
+use powerhouse::{
+    Boundary, InitialMotion, Material, OutputPlan, Part, RunHooks, Scene, TimeStep, reduction_layer,
+};
 use powerhouse_study::OpeningSlice;
 
 use crate::Outcome;
@@ -56,6 +58,9 @@ pub struct CavityModel {
     pub height: f64,
     /// B of the boundary's dashpots.
     pub speed_ratio: f64,
+    /// The reach of the region, to the sides and down, that the wave enters through a layer of
+    /// elements around it; without one it enters through the boundary.
+    pub layer: Option<f64>,
 }
 
 /// A wave that comes in; times in `a / cs`.
@@ -112,7 +117,21 @@ impl CavityModel {
             spreading: Spreading::Cylindrical,
             ..ViscousSpring::default()
         };
-        let boundary = Boundary::new(springs, ["left", "right", "bottom"])
+        let part = Part::new("rock", Material::from(LinearElastic::new(rock)));
+        let condition: Box<dyn AbsorbingBoundary> = match self.layer {
+            None => Box::new(springs),
+            Some(reach) => {
+                let reach = reach * RADIUS;
+                let (low, high) = (
+                    Vec3::new(-reach, 0.0, -reach),
+                    Vec3::new(reach, self.edge * RADIUS, 0.0),
+                );
+                let inside = mesh.elements_in_box(&low, &high);
+                let layer = reduction_layer(&mesh, &inside, &part)?;
+                Box::new(DomainReduction::new(layer, springs))
+            }
+        };
+        let boundary = Boundary::new(condition, ["left", "right", "bottom"])
             .scatterer(Vec3::new(0.0, 0.0, -DEPTH));
 
         let unit = unit_of_time()?;
@@ -134,7 +153,7 @@ impl CavityModel {
             output = output.history(&format!("w{degrees}"), spot, Motion::DISPLACEMENT);
         }
         let mut simulation = Scene::new("cavity", mesh)
-            .part(Part::new("rock", Material::from(LinearElastic::new(rock))))
+            .part(part)
             .support(plane_strain)
             .boundary(boundary)
             .field(field)

@@ -213,6 +213,7 @@ const BEST: CavityModel = CavityModel {
     half_width: 32.0,
     height: 12.0,
     speed_ratio: 1.0,
+    layer: None,
 };
 /// The same box in bricks of twice the length.
 const MIDDLE: CavityModel = CavityModel {
@@ -286,6 +287,13 @@ fn figures() -> Outcome<Figures> {
                 remark,
             );
         }
+        let layer = CavityModel {
+            layer: Some(5.0),
+            ..MIDDLE
+        };
+        let error = wave.answer(&layer)?.ricker_rel_l2();
+        let remark = "bricks of twice the length, the wave enters by domain reduction";
+        figures.report(&figure("layer.ricker_rel_l2"), error, remark);
         let error = wave.harmonic_error(&MIDDLE)?;
         let remark = "bricks of twice the length, 30 periods of a harmonic wave";
         figures.report(&figure("middle.harmonic_error"), error, remark);

@@ -32,6 +32,14 @@ pub enum BoundaryError {
         /// Names that exist.
         available: Vec<String>,
     },
+    /// A block that is not the layer around a region.
+    #[error("the layer around the region has {expected} elements, its block has {found} or others")]
+    Layer {
+        /// Elements that touch the region from outside.
+        expected: usize,
+        /// Elements of the block.
+        found: usize,
+    },
     /// Incident-only input from a field that cannot tell its incident part.
     #[error("the field '{field}' cannot tell its incident wave from what the surface reflects")]
     NoIncidentPart {

@@ -80,10 +80,16 @@
 //! *The boundary applies nothing itself.* Its dashpots stand in the velocity solve of their node,
 //! so that they cost no time step; explicit dashpots would more than halve it.
 //!
+//! *A layer is given as its stiffness.* [`DomainReduction`] needs to know what the layer's elements
+//! answer to a displacement, to the last digit; it asks the engine's own blocks for their matrices
+//! and keeps the part that couples the two sides of the layer. So it serves every kernel, and knows
+//! none.
+//!
 //! *Matrices only where needed.* On faces along the axes springs and dashpots are diagonal, and
 //! the input loads use that; oblique faces take the full 3 x 3 products.
 
 mod coefficients;
+mod domain_reduction;
 mod error;
 mod input;
 pub mod reflection;
@@ -91,6 +97,7 @@ mod viscous;
 mod viscous_spring;
 
 pub use coefficients::FaceCoefficients;
+pub use domain_reduction::{DomainReduction, ReductionLayer};
 pub use error::BoundaryError;
 pub use input::{InputMode, foreign_nodes};
 pub use viscous::Viscous;

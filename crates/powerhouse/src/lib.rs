@@ -52,6 +52,7 @@ mod joint;
 mod known;
 mod output;
 mod part;
+mod reduction;
 mod registry;
 mod remark;
 mod resolve;
@@ -77,6 +78,7 @@ pub use output::{
     RelativeWish, ResultFolder, Results, SnapshotWish, StateWish, StressWish,
 };
 pub use part::{Kernel, Material, Part};
+pub use reduction::reduction_layer;
 pub use registry::Registry;
 pub use remark::Remark;
 pub use scene::{Boundary, InitialMotion, LawMemory, ResidualLimit, Scene, TimeStep};

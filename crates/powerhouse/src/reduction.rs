@@ -1,0 +1,43 @@
+//! The layer of a domain reduction, of a scene's materials.
+
+use powerhouse_boundary::{BoundaryError, ReductionLayer};
+use powerhouse_explicit_core::{BlockOptions, BlockPart};
+use powerhouse_model::{Mesh, ModelError, Numbering};
+
+use crate::{Error, Kernel, Part};
+
+/// The layer around a region of a mesh (indices of its elements) through which a field enters it,
+/// made of a part as scenes make it, elastic and undamped.
+///
+/// # Errors
+/// Elements of a kind that no kernel computes, of more than one kind, or of a shape that the kernel
+/// refuses; a region without anything around it.
+pub fn reduction_layer(mesh: &Mesh, inside: &[u32], part: &Part) -> Result<ReductionLayer, Error> {
+    let elements = ReductionLayer::elements(mesh, inside);
+    let nothing = BoundaryError::Layer {
+        expected: 0,
+        found: 0,
+    };
+    let first = elements.first().ok_or(nothing).map_err(ModelError::from)?;
+    let kernel = part.kernel_for(mesh.kind(*first));
+    let taken = kernel.as_ref().map(Kernel::kind);
+    let other = elements.iter().find(|&&e| Some(mesh.kind(e)) != taken);
+    let (Some(kernel), None) = (kernel, other) else {
+        let element = *other.unwrap_or(first);
+        return Err(Error::NoKernel {
+            element: mesh.element_tags()[element as usize],
+            set: part.set.clone(),
+            kind: mesh.kind(element).name(),
+        });
+    };
+    let numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
+    let numbering = Numbering {
+        engine_of: numbers.clone(),
+        mesh_of: numbers,
+    };
+    let nodes = mesh.nodes_of_elements(&elements);
+    let factory = kernel.factory(&part.set, &part.material.elastic(), BlockOptions::default());
+    let block = factory.build(&BlockPart::new(mesh, &elements, &numbering, &nodes))?;
+    let layer = ReductionLayer::new(mesh, inside, block.as_ref(), &numbering);
+    Ok(layer.map_err(ModelError::from)?)
+}
