@@ -9,7 +9,10 @@
 use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use powerhouse_model::{Lane, NodalScalar};
+use powerhouse_model::{
+    ConstitutiveLaw, Lane, LawEnergy, LawInput, NodalScalar, Stress, point_energy,
+    point_stress_change,
+};
 use pulp::{Simd, WithSimd};
 
 use crate::LaneWidth;
@@ -60,6 +63,24 @@ pub(crate) trait BatchLane: Lane {
     fn components(token: Self::Token, rows: &Rows<Self::Scalar>) -> [Self; 3];
     /// The first `WIDTH` rows of three components; the fourth is zero.
     fn write_rows(components: [Self; 3], rows: &mut Rows<Self::Scalar>);
+    /// What a law answers.
+    #[inline(always)]
+    fn stress_change<M: ConstitutiveLaw>(
+        law: &M,
+        input: &LawInput<Self>,
+        new_history: &mut [Self],
+    ) -> Stress<Self> {
+        law.stress_change(input, new_history)
+    }
+    /// The energies that go with it.
+    #[inline(always)]
+    fn energy<M: ConstitutiveLaw>(
+        law: &M,
+        input: &LawInput<Self>,
+        new_history: &[Self],
+    ) -> Option<LawEnergy<Self>> {
+        law.energy(input, new_history)
+    }
 }
 
 /// A scalar that elements are computed in.
@@ -69,7 +90,7 @@ pub(crate) trait BatchScalar: NodalScalar + BatchLane<Scalar = Self, Token = ()>
 }
 
 macro_rules! scalar_batch_lane {
-    ($scalar:ident, $wide:ident) => {
+    ($scalar:ident, $wide:ident, { $($shared:item)* }) => {
         impl BatchScalar for $scalar {
             type Wide<T: Simd> = $wide<T>;
         }
@@ -87,12 +108,28 @@ macro_rules! scalar_batch_lane {
             fn write_rows(components: [Self; 3], rows: &mut Rows<$scalar>) {
                 rows[0] = [components[0], components[1], components[2], 0.0];
             }
+            $($shared)*
         }
     };
 }
 
-scalar_batch_lane!(f64, WideF64);
-scalar_batch_lane!(f32, WideF32);
+scalar_batch_lane!(f64, WideF64, {
+    fn stress_change<M: ConstitutiveLaw>(
+        law: &M,
+        input: &LawInput<f64>,
+        new_history: &mut [f64],
+    ) -> Stress {
+        point_stress_change(law, input, new_history)
+    }
+    fn energy<M: ConstitutiveLaw>(
+        law: &M,
+        input: &LawInput<f64>,
+        new_history: &[f64],
+    ) -> Option<LawEnergy<f64>> {
+        point_energy(law, input, new_history)
+    }
+});
+scalar_batch_lane!(f32, WideF32, {});
 
 macro_rules! wide_lane {
     (

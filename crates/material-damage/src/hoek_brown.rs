@@ -1,9 +1,10 @@
 //! The surface of Hoek and Brown.
 
-use powerhouse_model::{ElasticMedium, Lane, ParameterError, Scalar, Stress};
+use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Scalar, Stress};
 
 use crate::MaterialError;
 use crate::exponential::power;
+use crate::planes::ShearPlane;
 use crate::root::{Function, zero_between};
 use crate::surface::{PrincipalReturn, YieldState, YieldSurface, pick, stiffened};
 
@@ -66,6 +67,9 @@ pub struct HoekBrown {
     /// `lambda / 2G`.
     volumetric: f64,
 }
+
+/// Pressures over the intact strength where the chords of the elastic domain end.
+const CHORDS: [f64; 5] = [0.0, 0.02, 0.1, 0.4, 1.5];
 
 /// The return to the face or to an edge.
 struct Branch<L> {
@@ -283,6 +287,22 @@ impl YieldSurface for HoekBrown {
         let curved = number(rest).mul_add(apart.sqrt(), number(share) * apart);
         let greatest = number(2.0 / 3.0_f64.sqrt()).mul_add(shear, mean);
         number(intact) * apart.mul_add(curved, -self.depth(greatest))
+    }
+
+    /// Chords of the curved envelope lie inside it; beyond the last one strength no longer grows.
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        let intact = self.parameters.intact_strength;
+        let mut domain = ElasticDomain::EVERYTHING;
+        let [mut greatest, mut apart] = [self.apex(), 0.0];
+        for pressure in CHORDS {
+            let next = -pressure * intact;
+            let strength = intact * self.depth(next).powf(self.exponent);
+            let slope = (strength - apart) / (next - greatest);
+            let chord = ShearPlane::new(1.0 - slope, 1.0, strength - slope * next);
+            domain = chord.part_of(domain);
+            [greatest, apart] = [next, strength];
+        }
+        Some(ShearPlane::new(1.0, 1.0, apart).part_of(domain))
     }
 
     #[inline(always)]

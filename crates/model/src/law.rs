@@ -242,6 +242,30 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     }
 }
 
+/// The change of stress of one point in double precision, [`ConstitutiveLaw::stress_change`].
+///
+/// Laws are inlined where they are asked; this is a copy of a law's code that all may share who ask
+/// for single points.
+#[inline(never)]
+pub fn point_stress_change<M: ConstitutiveLaw>(
+    law: &M,
+    input: &LawInput<f64>,
+    new_history: &mut [f64],
+) -> Stress {
+    law.stress_change(input, new_history)
+}
+
+/// The energy of one point in double precision, [`ConstitutiveLaw::energy`], shared as
+/// [`point_stress_change`] is.
+#[inline(never)]
+pub fn point_energy<M: ConstitutiveLaw>(
+    law: &M,
+    input: &LawInput<f64>,
+    new_history: &[f64],
+) -> Option<LawEnergy<f64>> {
+    law.energy(input, new_history)
+}
+
 /// A constitutive law for one point in double precision, object-safe: a user's first law.
 ///
 /// [`PointAdapter`] makes a [`ConstitutiveLaw`] of it, lane by lane and slower.

@@ -8,7 +8,8 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{
     ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind, HistoryVariable, LawEnergy,
-    LawInput, ModelError, ParameterError, PointAdapter, PointLaw, Stress,
+    LawInput, ModelError, ParameterError, PointAdapter, PointLaw, Stress, point_energy,
+    point_stress_change,
 };
 
 use crate::{Damping, Error};
@@ -163,10 +164,10 @@ impl<T: ConstitutiveLaw> AnyLaw for T {
         ConstitutiveLaw::history(self)
     }
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
-        ConstitutiveLaw::stress_change(self, input, new_history)
+        point_stress_change(self, input, new_history)
     }
     fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
-        ConstitutiveLaw::energy(self, input, new_history)
+        point_energy(self, input, new_history)
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         ConstitutiveLaw::accept_size(self, size)

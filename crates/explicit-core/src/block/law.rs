@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, LawEnergy, LawInput,
-    ModelError, Strain, Stress,
+    ModelError, Strain, Stress, point_stress_change,
 };
 
 use super::history::History;
@@ -93,7 +93,7 @@ impl<M: ConstitutiveLaw> LawParts for M {
         ConstitutiveLaw::accept_size(self, size)
     }
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
-        ConstitutiveLaw::stress_change(self, input, new_history)
+        point_stress_change(self, input, new_history)
     }
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         ConstitutiveLaw::tangent(self, input)
@@ -194,13 +194,13 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                 let input = LawInput::new(strain, old)
                     .with_initial(initially)
                     .with_size(size);
-                let stress = self.law.stress_change(&input, new);
+                let stress = L::stress_change(self.law, &input, new);
                 let place = b * points + p;
                 for i in 0..6 {
                     stress.0[i].store(&mut stresses[place][i]);
                 }
                 if let Some(energies) = energies.as_deref_mut()
-                    && let Some(energy) = self.law.energy(&input, new)
+                    && let Some(energy) = L::energy(self.law, &input, new)
                 {
                     let LawEnergy {
                         stored,

@@ -2,11 +2,12 @@
 
 use powerhouse_material_damage::{
     ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, FlatDamping,
-    LeeFenves, Mazars, MohrCoulomb, MohrCoulombParameters, ReferenceFrequency, RelaxationSpectrum,
-    TwoSurface, presets,
+    HoekBrown, LeeFenves, Mazars, MohrCoulomb, MohrCoulombParameters, ReferenceFrequency,
+    RelaxationSpectrum, TwoSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 
+use crate::hoek_brown::tunnel;
 use crate::random::Random;
 use crate::softening_plasticity::softening;
 
@@ -123,6 +124,11 @@ fn laws_need_not_be_asked_where_they_say_so() {
     );
     let whole = MohrCoulomb::new(presets::PAPER_ROCK).unwrap();
     both(&ElastoPlastic::new(whole), 3e6, 0.7);
+    both(
+        &ElastoPlastic::new(HoekBrown::new(tunnel(0.5)).unwrap()),
+        20e6,
+        0.6,
+    );
     let listed = TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap();
     both(&ElastoPlastic::new(listed), 3e6, 0.7);
     both(&softening(10.0), 3e6, 0.7);
