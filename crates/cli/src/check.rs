@@ -5,16 +5,15 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use powerhouse::{RunHooks, Scene};
+use powerhouse::RunHooks;
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
 use crate::progress::Display;
-use crate::{INTERRUPTED, Outcome, WARNED, report, stop};
+use crate::{INTERRUPTED, Outcome, WARNED, read, report, stop};
 
 /// Looks at a scene; the exit status is 1 if there are warnings.
-pub(crate) fn check(path: &Path) -> Outcome {
-    let found =
-        powerhouse_study::check(Scene::from_file_with(path, &powerhouse_study::registry())?)?;
+pub(crate) fn check(path: &Path, case: Option<&str>) -> Outcome {
+    let found = powerhouse_study::check(read(path, case)?)?;
     report::check(&found);
     Ok(if found.warnings.is_empty() {
         ExitCode::SUCCESS
@@ -25,8 +24,8 @@ pub(crate) fn check(path: &Path) -> Outcome {
 
 /// Compares the scene's box without the structure with its field; the exit status is 2 if the
 /// error is above the scene's own limit.
-pub(crate) fn free_field(path: &Path) -> Outcome {
-    let scene = Scene::from_file_with(path, &powerhouse_study::registry())?;
+pub(crate) fn free_field(path: &Path, case: Option<&str>) -> Outcome {
+    let scene = read(path, case)?;
     let limit = scene.self_check();
     let check = FreeFieldCheck::of(&scene)?;
     let step = scene.prepare()?.step()?;

@@ -13,11 +13,11 @@ mod stop;
 mod sweep;
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use powerhouse::Error;
+use powerhouse::{Error, Scene};
 use powerhouse_study::StudyError;
 
 /// Explicit dynamic analysis of underground structures under waves that arrive at an angle.
@@ -40,6 +40,9 @@ enum Command {
         /// The folder for results, in place of the scene's own.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// The case of the scene, in place of the scene itself.
+        #[arg(long, value_name = "NAME")]
+        case: Option<String>,
     },
     /// Tell what a run of a scene would be, without running it.
     Check {
@@ -49,6 +52,9 @@ enum Command {
         /// in.
         #[arg(long)]
         free_field: bool,
+        /// The case of the scene, in place of the scene itself.
+        #[arg(long, value_name = "NAME")]
+        case: Option<String>,
     },
     /// Lead one point of a material along a path of strain and stress.
     Drive {
@@ -107,15 +113,17 @@ const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
-        Command::Run { scene, out } => run::run(&scene, out),
+        Command::Run { scene, out, case } => run::run(&scene, case.as_deref(), out),
         Command::Check {
             scene,
             free_field: false,
-        } => check::check(&scene),
+            case,
+        } => check::check(&scene, case.as_deref()),
         Command::Check {
             scene,
             free_field: true,
-        } => check::free_field(&scene),
+            case,
+        } => check::free_field(&scene, case.as_deref()),
         Command::Drive {
             law,
             path,
@@ -144,6 +152,15 @@ fn main() -> ExitCode {
         eprintln!("{}", explain(error.as_ref()));
         ExitCode::from(FAILED)
     })
+}
+
+/// Reads a scene, or a case of it.
+fn read(path: &Path, case: Option<&str>) -> Result<Scene, Error> {
+    let registry = powerhouse_study::registry();
+    match case {
+        Some(case) => Scene::case_from_file_with(path, case, &registry),
+        None => Scene::from_file_with(path, &registry),
+    }
 }
 
 /// A fault of a scene file with the lines that it points at, any other error in one line.

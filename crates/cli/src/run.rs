@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use powerhouse::engine::Ended;
-use powerhouse::{Error, ResultFolder, RunHooks, Scene, StageAtRest, StageSink};
+use powerhouse::{Error, ResultFolder, RunHooks, StageAtRest, StageSink};
 use powerhouse_study::FreeFieldCheck;
 
 use crate::progress::Display;
-use crate::{INTERRUPTED, Outcome, check, report, stop};
+use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
 /// Tells of stages what their files hold in full.
 pub(crate) struct Stages(pub(crate) Box<dyn StageSink>);
@@ -22,8 +22,8 @@ impl StageSink for Stages {
 
 /// Checks the free field if the scene asks for it, runs, and writes what was found, even if the
 /// run fails on its way.
-pub(crate) fn run(path: &Path, out: Option<PathBuf>) -> Outcome {
-    let scene = Scene::from_file_with(path, &powerhouse_study::registry())?;
+pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outcome {
+    let scene = read(path, case)?;
     let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
     let text = scene.source().map(|source| source.text.clone());
     let limit = scene.self_check();

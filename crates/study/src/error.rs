@@ -46,6 +46,12 @@ pub enum StudyError {
         /// The folder.
         folder: PathBuf,
     },
+    /// A scene that was edited while its cases ran.
+    #[error("{} was edited while its cases ran: what is finished is of the old one", file.display())]
+    Changed {
+        /// The file.
+        file: PathBuf,
+    },
     /// The outcome of a case that cannot be understood.
     #[error("{}: {source}", file.display())]
     Outcome {

@@ -242,6 +242,29 @@ fn a_foreign_body_is_refused() {
     assert!(matches!(error, Error::ForeignBody { .. }), "{error}");
 }
 
+/// A case may have a mesh and supports of its own: here the bay stands in a block, held by nothing but
+/// the faces that absorb.
+#[test]
+fn a_case_may_have_another_mesh_and_other_supports() {
+    let folder = Folder::new("block");
+    std::fs::write(
+        folder.0.join("block.toml"),
+        format!("{BAY}[ends]\nrock = 20\ncells = 2\n"),
+    )
+    .unwrap();
+    let case = "[[case]]\nname = \"block\"\nsupport = []\n\
+         mesh = { generator = \"bay\", file = \"block.toml\" }\n\
+         faces = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]\n";
+    std::fs::write(folder.scene(), format!("{SCENE}{case}")).unwrap();
+    let of = |name| Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
+    let (bay, block) = (of("steep"), of("block"));
+    let elements = |scene: &Scene| scene.mesh().element_count();
+    assert_eq!(elements(&block) * 8, elements(&bay) * 12);
+    assert_eq!((bay.supports().len(), block.supports().len()), (2, 0));
+    let faces = |scene: &Scene| scene.absorbing_boundary().unwrap().faces.len();
+    assert_eq!((faces(&bay), faces(&block)), (3, 5));
+}
+
 /// A sweep that is stopped says so, and goes on where it was.
 #[test]
 fn a_sweep_that_is_stopped_goes_on() {
@@ -249,6 +272,16 @@ fn a_sweep_that_is_stopped_goes_on() {
     let stop = Arc::new(AtomicBool::new(true));
     let stopped = folder.sweep().run(Some(&stop), &mut Silent);
     assert!(matches!(stopped, Err(StudyError::Interrupted)));
+    // Not with another scene, though.
+    let sweep = folder.sweep();
+    std::fs::write(
+        folder.scene(),
+        SCENE.replace("lateral = 0.37", "lateral = 0.4"),
+    )
+    .unwrap();
+    let edited = sweep.run(None, &mut Silent);
+    assert!(matches!(edited, Err(StudyError::Changed { .. })));
+    std::fs::write(folder.scene(), SCENE).unwrap();
     let only = folder.sweep().only(&["steep".into()]).unwrap();
     let done = only.lasting(0.01).unwrap().run(None, &mut Silent).unwrap();
     assert!((done[0].end - 0.01).abs() < 1e-3);

@@ -3,15 +3,17 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{At, Ground, SceneFile, Wave};
+use super::{At, Ground, MeshFile, SceneFile, Support, Wave};
 
-/// A case of a sweep: the scene with other waves, another ground, other absorbing faces, or without
-/// some of its joints. What a case does not name is as in the scene.
+/// A case of a sweep: the scene with another mesh, other waves, another ground, other absorbing faces,
+/// other supports, or without some of its joints. What a case does not name is as in the scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
     /// The name, also that of the folder of its results.
     pub name: At<String>,
+    /// Its mesh, in place of the scene's.
+    pub mesh: Option<MeshFile>,
     /// Its waves, in place of all of the scene's.
     #[serde(rename = "wave", default)]
     pub waves: Vec<Wave>,
@@ -19,6 +21,9 @@ pub struct Case {
     pub ground: Option<Ground>,
     /// Its absorbing faces, in place of the scene's.
     pub faces: Option<Vec<At<String>>>,
+    /// Its supports, in place of all of the scene's; none if the list is empty. Those of stages stay.
+    #[serde(rename = "support")]
+    pub supports: Option<Vec<At<Support>>>,
     /// Joints that it does not have, by name: there the mesh is not cut, the sides are one body.
     #[serde(default)]
     pub continuous: Vec<At<String>>,
@@ -28,6 +33,12 @@ impl SceneFile {
     /// The scene as a case has it.
     pub(crate) fn with_case(&self, case: &Case) -> Self {
         let mut file = self.clone();
+        if let Some(mesh) = &case.mesh {
+            file.mesh = mesh.clone();
+        }
+        if let Some(supports) = &case.supports {
+            file.supports.clone_from(supports);
+        }
         if !case.waves.is_empty() {
             file.waves.clone_from(&case.waves);
         }

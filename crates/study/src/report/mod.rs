@@ -131,13 +131,21 @@ fn of_sweep(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyError> {
     }
     page.section("Damage");
     page.table(&tables::damage(cases));
-    page.pictures(cases, &["structure-damage.png", "structure-stress.png"])?;
+    page.pictures(cases, |_| {
+        ["structure-damage.png", "structure-stress.png"]
+            .map(str::to_owned)
+            .to_vec()
+    })?;
     page.section("Joint");
     page.table(&tables::joints(cases));
-    page.pictures(
-        cases,
-        &["joint-rock-lining-state.png", "joint-rock-lining-bond.png"],
-    )?;
+    page.pictures(cases, |outcome| {
+        let joints = outcome.joints.iter();
+        let pictures = |what: &'static str| joints.clone().map(move |joint| (joint, what));
+        let pictures = pictures("state").chain(pictures("bond"));
+        pictures
+            .map(|(joint, what)| format!("joint-{}-{what}.png", joint.name))
+            .collect()
+    })?;
     page.section("Bolts");
     page.paragraph("Greatest axial force at the end (kN).");
     page.table(&tables::peaks(cases, |outcome| &outcome.bolts, 1e-3));

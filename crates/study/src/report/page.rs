@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::CaseFiles;
 use crate::StudyError;
+use crate::sweep::CaseOutcome;
 
 /// A table: its head, and rows of as many cells; the first cell of a row names it.
 pub(super) struct Table {
@@ -33,7 +34,7 @@ table{border-collapse:collapse;font-size:.85rem;margin:.6rem 0;font-variant-nume
 th,td{border-bottom:1px solid var(--line);padding:.25rem .6rem;text-align:right;vertical-align:top}
 th{background:var(--soft);text-align:right}
 td:first-child,th:first-child{text-align:left;white-space:nowrap}
-td.text{text-align:left;min-width:14rem}
+td.text{text-align:left}td.wide-text{min-width:14rem}
 figure{margin:1rem 0;break-inside:avoid}
 figure img{max-width:100%;height:auto}
 figcaption{font-size:.85rem;opacity:.8}
@@ -71,12 +72,7 @@ impl Page {
         for row in &table.rows {
             self.body += "<tr>";
             for cell in row {
-                // Sentences are set as text, numbers under each other.
-                let class = if cell.len() > 24 {
-                    " class=\"text\""
-                } else {
-                    ""
-                };
+                let class = class(cell);
                 let _ = write!(self.body, "<td{class}>{}</td>", escaped(cell));
             }
             self.body += "</tr>\n";
@@ -99,12 +95,12 @@ impl Page {
     pub(super) fn pictures(
         &mut self,
         cases: &[CaseFiles],
-        names: &[&str],
+        names: impl Fn(&CaseOutcome) -> Vec<String>,
     ) -> Result<(), StudyError> {
         self.body += "<div class=\"pair\">\n";
         for case in cases {
-            for name in names {
-                let file = case.folder.join("pictures").join(name);
+            for name in names(&case.outcome) {
+                let file = case.folder.join("pictures").join(&name);
                 if file.exists() {
                     let what = name.trim_end_matches(".png").replace('-', " ");
                     self.figure(&file, &format!("{}: {what}", case.outcome.name))?;
@@ -149,6 +145,16 @@ impl Page {
              <nav>{contents}</nav>\n{}</body></html>\n",
             self.body
         )
+    }
+}
+
+/// Words are set as text, and sentences wide; numbers stand under each other.
+fn class(cell: &str) -> &'static str {
+    let is_number = cell.starts_with(|first: char| first.is_ascii_digit() || first == '-');
+    match cell.len() {
+        25.. => " class=\"text wide-text\"",
+        _ if is_number || cell.is_empty() => "",
+        _ => " class=\"text\"",
     }
 }
 

@@ -19,6 +19,7 @@ mod pictures;
 mod table;
 
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,6 +74,8 @@ impl SweepWatch for Silent {}
 /// The cases of a scene file.
 pub struct Sweep {
     scene: PathBuf,
+    /// What stood in the file when the sweep began.
+    text: String,
     registry: Registry,
     cases: Vec<String>,
     folder: PathBuf,
@@ -102,6 +105,7 @@ impl Sweep {
         Ok(Self {
             records: records.collect(),
             mark: Mark::of(text, &files, None),
+            text: text.to_owned(),
             scene: path.into(),
             cases: scene.case_names().to_vec(),
             folder: folder.unwrap_or(own),
@@ -128,10 +132,8 @@ impl Sweep {
     /// # Errors
     /// As [`of_file`](Self::of_file): the files are read again.
     pub fn lasting(mut self, duration: f64) -> Result<Self, StudyError> {
-        let text = read(&self.scene)?;
-        let text = String::from_utf8_lossy(&text).into_owned();
-        let files = inputs(&self.scene, &text)?;
-        self.mark = Mark::of(&text, &files, Some(duration));
+        let files = inputs(&self.scene, &self.text)?;
+        self.mark = Mark::of(&self.text, &files, Some(duration));
         self.duration = Some(duration);
         Ok(self)
     }
@@ -148,7 +150,8 @@ impl Sweep {
     /// Runs the cases that are not finished yet; writes the results of each, and a table of all.
     ///
     /// # Errors
-    /// The first case that is refused or fails; [`StudyError::Interrupted`] if it was stopped from
+    /// The first case that is refused or fails; [`StudyError::Changed`] if the scene's file was edited
+    /// on the way; [`StudyError::Interrupted`] if it was stopped from
     /// outside. What was finished until then stays, and another run goes on from there.
     pub fn run(
         &self,
@@ -204,6 +207,13 @@ impl Sweep {
         if let Some(duration) = self.duration {
             scene = scene.duration(duration);
         }
+        if scene
+            .source()
+            .is_some_and(|source| source.text != self.text)
+        {
+            let file = self.scene.clone();
+            return Err(StudyError::Changed { file });
+        }
         let folder = ResultFolder::new(path);
         let text = scene.source().map(|source| source.text.clone());
         let relative = scene.output_plan().relative.iter();
@@ -258,13 +268,24 @@ impl Sweep {
     }
 }
 
-/// What two cases must share for one body at rest to serve both: the joints and the faces that absorb,
-/// along which rock is elastic.
+/// What two cases must share for one body at rest to serve both: the mesh, the supports, the joints, and
+/// the faces that absorb, along which rock is elastic.
 fn body_of(scene: &Scene) -> String {
+    let mut nodes = DefaultHasher::new();
+    for position in scene.mesh().positions() {
+        position.iter().for_each(|x| x.to_bits().hash(&mut nodes));
+    }
+    let mesh = nodes.finish();
+    let held: Vec<usize> = scene
+        .supports()
+        .iter()
+        .map(|held| held.nodes().len())
+        .collect();
+    let tied = scene.periodic_pairs().len();
     let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
     let boundary = scene.absorbing_boundary();
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
-    format!("{joints:?} {faces:?}")
+    format!("{mesh:x} {held:?} {tied} {joints:?} {faces:?}")
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, StudyError> {
