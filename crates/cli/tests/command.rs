@@ -41,6 +41,32 @@ fn mesh_writes_a_bay() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+/// A scene without cases is no sweep, a case that is not there cannot be run, and a folder without
+/// results has no report: each is said in a line, with exit status 2.
+#[test]
+fn sweeps_and_reports_are_refused_in_a_line() {
+    let scene = |name: &str| data("scenes").join(name).display().to_string();
+    for (arguments, wanted) in [
+        (
+            vec!["sweep", &scene("cavern_small.toml")],
+            "has no [[case]]",
+        ),
+        (
+            vec!["run", &scene("wang_2019.toml"), "--case", "flat"],
+            "no case 'flat', only sv-00",
+        ),
+        (
+            vec!["report", &scene("nothing")],
+            "neither a sweep nor a run",
+        ),
+    ] {
+        let refused = powerhouse(&arguments);
+        assert_eq!(refused.status.code(), Some(2));
+        let said = text(&refused.stderr);
+        assert!(said.contains(wanted) && said.lines().count() == 1, "{said}");
+    }
+}
+
 /// A short scene in a folder of its own: the coarse cavern for a tenth of a second.
 struct Scene {
     folder: PathBuf,

@@ -86,6 +86,7 @@ pub(super) fn name_sets(
                 put("rim");
             }
             rock_facets(&cells, cell, &mut facets);
+            end_facets(&cells, cell, &mut facets);
             continue;
         }
         if part.is_concrete() {
@@ -168,6 +169,25 @@ fn rock_facets(cells: &Cells, cell: [usize; 3], facets: &mut BTreeMap<String, Ve
             put(format!("walls_{cavern}"));
         } else if step[2] < 0 {
             put(format!("roof_{cavern}"));
+        }
+    }
+}
+
+/// Facets of a cell of rock on the faces across the halls, through which waves may come while the
+/// structure runs through these faces.
+fn end_facets(cells: &Cells, cell: [usize; 3], facets: &mut BTreeMap<String, Vec<Facet>>) {
+    let element = cells.index(cell);
+    for (side, step) in SIDES {
+        if step[1] != 0 && cells.beside(cell, step).is_none() {
+            let set = if step[1] < 0 {
+                "front_rock"
+            } else {
+                "back_rock"
+            };
+            facets
+                .entry(set.into())
+                .or_default()
+                .push(Facet { element, side });
         }
     }
 }
