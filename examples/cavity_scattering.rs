@@ -116,10 +116,12 @@ impl Wave {
         })
     }
 
-    /// The largest error of the amplitudes when the wave is harmonic, after 30 of its periods.
+    /// The largest error of the amplitudes when the wave is harmonic, from the last 10 of 30 of its
+    /// periods.
     fn harmonic_error(&self, model: &CavityModel) -> Outcome<f64> {
         let signal = Arc::new(Steady::new(PEAK)?);
-        let (end, last) = (signal.periods(30.0)?, signal.periods(10.0)?);
+        let end = signal.periods(30.0)?;
+        let last = signal.periods(10.0)? * unit_of_time()?;
         let run = model.motion(&self.incoming(signal.clone(), end))?;
         let mut worst = 0.0_f64;
         for axis in ['x', 'z'] {
@@ -319,8 +321,8 @@ fn main() -> Outcome<ExitCode> {
 mod tests {
     use super::*;
 
-    /// What a coarse mesh in a small box errs by falls with the size of the box (P, which leaves by
-    /// its surface waves) and with that of the bricks (SV, which is short), almost with its square.
+    /// What a coarse mesh in a small box errs by falls with the size of the box (P, of which surface
+    /// waves come back) and with that of the bricks (SV, which is short).
     #[test]
     fn errors_fall_with_bricks_and_box() {
         let [p, sv] = &WAVES;

@@ -90,7 +90,8 @@ impl Signal for Steady {
 }
 
 /// Amplitudes of a component at all stations per unit of the incident signal, by the ratio of
-/// spectra: of the whole run, or of its last seconds under a window that opens and closes smoothly.
+/// spectra: of the whole run, or of the last part of it (s) under a window that opens and closes
+/// smoothly.
 ///
 /// # Errors
 /// If a station was not recorded.
