@@ -32,7 +32,7 @@ pub struct DamageOutcome {
     pub element: u64,
     /// How many elements have more than a tenth.
     pub damaged: usize,
-    /// How many elements there are of laws that remember damage.
+    /// How many elements are there: those of the set `structure`, or all if there is no such set.
     pub of: usize,
 }
 
@@ -91,6 +91,8 @@ impl CaseOutcome {
         let (relative, displacements) = displacement_peaks(&results.histories)
             .into_iter()
             .partition(|peak| relative.contains(&peak.name));
+        let structure = mesh.element_set("structure").map(<[u32]>::len);
+        let whole = structure.unwrap_or(mesh.element_count());
         let damage = results.state.iter().flat_map(|state| {
             let of = state.peaks.iter();
             let named = of.filter(|(variable, _)| variable.name.starts_with("damage"));
@@ -103,7 +105,7 @@ impl CaseOutcome {
                     greatest: peaks.values[at],
                     element: mesh.element_tags()[state.elements[at] as usize],
                     damaged: peaks.values.iter().filter(|&&d| d > DAMAGED).count(),
-                    of: peaks.values.len(),
+                    of: whole,
                 })
             })
         });
