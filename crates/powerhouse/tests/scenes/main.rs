@@ -12,5 +12,6 @@ mod law_results;
 mod laws;
 mod runs;
 mod stages;
+mod stages_at_rest;
 mod support;
 mod surroundings;

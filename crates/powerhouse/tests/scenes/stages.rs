@@ -1,14 +1,13 @@
 //! Stages before a run: in a file as in Rust, what they do, what is written of them.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::contact::{BondedCoulomb, JointSurface, SurfaceOptions};
 use powerhouse::engine::observe::Motion;
 use powerhouse::engine::{
-    BoltLine, BoltParameters, BoltPattern, FacePressure, NodalForce, Profile, StageReport,
-    StaticOptions, StaticProgress, StressField, Support,
+    BoltLine, BoltParameters, BoltPattern, FacePressure, NodalForce, Profile, StaticOptions,
+    StressField, Support,
 };
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::material::LinearElastic;
@@ -33,7 +32,7 @@ const CONCRETE: ElasticMedium = ElasticMedium {
 };
 
 /// Ground with a trench of 4 m by 4 m, in which one half may become a lining, over a seam.
-fn mesh() -> Mesh {
+pub(crate) fn mesh() -> Mesh {
     let size = Vec3::new(12.0, 10.0, 12.0);
     let mut mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [6, 5, 6], "all").unwrap();
     let within = |mesh: &Mesh, low: [f64; 3], high: [f64; 3]| {
@@ -57,7 +56,7 @@ fn mesh() -> Mesh {
     mesh
 }
 
-const MATERIALS: &str = r#"
+pub(crate) const MATERIALS: &str = r#"
 title = "trench"
 [mesh]
 file = "trench.msh"
@@ -105,7 +104,7 @@ name = "corner"
 at = [2, 4, 12]
 "#;
 
-const BOLTS: &str = r#"
+pub(crate) const BOLTS: &str = r#"
 [[bolt]]
 name = "anchors"
 diameter = 0.025
@@ -118,7 +117,7 @@ young = 210e9
 lines = [[[9, 5, 12], [10, 4, 6.5]]]
 "#;
 
-const ROLLERS: &str = r#"
+pub(crate) const ROLLERS: &str = r#"
 [[stage]]
 name = "ground"
 part = [{ set = "lining", material = "rock" }]
@@ -131,7 +130,7 @@ support = [
 ]
 "#;
 
-const TRENCH: &str = r#"
+pub(crate) const TRENCH: &str = r#"
 [[stage]]
 name = "trench"
 excavate = ["trench"]
@@ -154,13 +153,13 @@ force = [1e4, 0, 0]
 function = { kind = "ricker", frequency = 10, delay = 0.1 }
 "#;
 
-fn folder(mesh: &Mesh) -> Folder {
+pub(crate) fn folder(mesh: &Mesh) -> Folder {
     let folder = Folder::new("stages");
     write_gmsh(folder.0.join("trench.msh"), mesh).unwrap();
     folder
 }
 
-fn read(folder: &Folder, text: &str) -> Result<Scene, Error> {
+pub(crate) fn read(folder: &Folder, text: &str) -> Result<Scene, Error> {
     let path = folder.0.join("trench.toml");
     Scene::from_toml(text, path, &Registry::default())
 }
@@ -327,205 +326,6 @@ static_friction = 0.7
         "{vertical:e} {weight:e}"
     );
     assert!(found.hand_over.unwrap().difference < 1e-9);
-}
-
-/// Parts that are damped over a band meet the stages with the stiffness that they have at rest, and what
-/// the stages leave does not relax: without input the body stands still, cracked rock too, and its
-/// mechanisms dissipate nothing.
-#[test]
-fn what_stages_leave_does_not_relax() {
-    let mesh = mesh();
-    let folder = folder(&mesh);
-    let text = [MATERIALS, BOLTS, ROLLERS, TRENCH].concat();
-    let text = text.replace("at = [2, 4, 12]", "at = [5, 4, 8]");
-    // Nothing but the law: hourglass resistance knows no frequency.
-    let full = "material = \"rock\"\nkernel = \"hex8-full\"\n[[part]]";
-    let text = text.replace("material = \"rock\"\n[[part]]", full);
-    let weak = "law = \"mohr-coulomb\"\ncohesion = 3e4\nfriction = 30\ntensile_strength = 1e3\n";
-    let weak = text.replacen("law = \"elastic\"\n", weak, 1);
-    for text in [&text, &weak] {
-        let damped = |reference: &str| {
-            let damping = format!(
-                "kernel = \"hex8-full\"\ndamping = {{ kind = \"flat\", ratio = 0.05, band = [0.5, 20], \
-                 reference = {reference} }}\n"
-            );
-            let damped = text.replace("kernel = \"hex8-full\"\n", &damping);
-            assert_ne!(&damped, text);
-            run(read(&folder, &damped.replace("duration = 0.4", "duration = 2")).unwrap())
-        };
-        let undamped = run(read(&folder, text).unwrap());
-        let (centre, at_rest) = (damped("\"centre\""), damped("\"static\""));
-        let settled = |results: &Results| results.stages[1].largest_displacement.0;
-        let [centred, rested, usual] = [&centre, &at_rest, &undamped].map(settled);
-        assert!((rested / usual - 1.0).abs() < 1e-6, "{rested} {usual}");
-        assert!(centred > 1.1 * usual, "{centred} {usual}");
-        for found in [&centre, &at_rest] {
-            for component in ["ux", "uy", "uz", "vx", "vy", "vz"] {
-                let column = found.histories.column(&format!("corner.{component}"));
-                let values = &column.unwrap().values;
-                let most = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-                assert!(most < 1e-10, "{component}: {most:e}");
-            }
-            assert!(found.hand_over.unwrap().difference < 1e-9);
-        }
-    }
-}
-
-/// Raises a flag as soon as a stage begins.
-struct Raise(Arc<AtomicBool>);
-
-impl StageSink for Raise {
-    fn progress(&mut self, stage: &str, _progress: StaticProgress) {
-        assert_eq!(stage, "trench");
-        self.0.store(true, Ordering::Relaxed);
-    }
-    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
-        panic!("{} has come to rest", stage.report.name)
-    }
-}
-
-/// A flag that is raised while a stage comes to rest ends the run there and then.
-#[test]
-fn a_stage_may_be_interrupted() {
-    let mesh = mesh();
-    let folder = folder(&mesh);
-    let first = ROLLERS.replace(
-        "\"ground\"",
-        "\"trench\"\nexcavate = [\"trench\"]\nincrements = 5",
-    );
-    let text = [MATERIALS, &first].concat();
-    let stop = Arc::new(AtomicBool::new(false));
-    let hooks = RunHooks {
-        stop: Some(stop.clone()),
-        stages: Some(Box::new(Raise(stop))),
-        ..RunHooks::default()
-    };
-    let ended = read(&folder, &text).unwrap().prepare().unwrap().run(hooks);
-    assert!(
-        matches!(&ended, Err(Error::Interrupted { stage }) if stage == "trench"),
-        "{ended:?}"
-    );
-}
-
-/// Every method that a stage may name brings the body to the same rest; one that this build does not have
-/// is refused where it stands.
-#[test]
-fn stages_come_to_the_same_rest_by_every_method() {
-    let mesh = mesh();
-    let folder = folder(&mesh);
-    let text = [MATERIALS, BOLTS, ROLLERS, TRENCH].concat();
-    let by = |method: &str| {
-        let key = format!("name = \"trench\"\nmethod = \"{method}\"\n");
-        read(&folder, &text.replace("name = \"trench\"\n", &key))
-    };
-    let rest = |scene: Scene| run(scene).stages[1].clone();
-    let usual = rest(by("conjugate-gradients").unwrap());
-    assert!(usual.solution.products > 0);
-    let same = |found: &StageReport| {
-        let [a, b] = [found, &usual].map(|stage| stage.largest_displacement.0);
-        assert!((a / b - 1.0).abs() < 1e-6, "{found:?} {usual:?}");
-    };
-    let relaxed = rest(by("dynamic-relaxation").unwrap());
-    same(&relaxed);
-    assert!(relaxed.solution.steps > 0);
-    for method in ["cholesky", "newton"] {
-        if cfg!(feature = "direct") {
-            let direct = rest(by(method).unwrap());
-            same(&direct);
-            assert!(direct.solution.factorisations > 0 && direct.solution.products == 0);
-        } else {
-            let refused = by(method).err().unwrap().to_string();
-            assert!(refused.contains("this build does not have"), "{refused}");
-        }
-    }
-}
-
-/// The stress of the ground may come from a table of all elements, in any order of rows and columns and
-/// in kPa; what is wrong with one is told by element or column.
-#[test]
-fn the_stress_of_the_ground_comes_from_a_table() {
-    let mesh = mesh();
-    let folder = folder(&mesh);
-    let field = StressField::geostatic(12.0, 2600.0 * 9.81, [0.5, 0.8]).unwrap();
-    let stresses = field.of_elements(&mesh);
-    let mut rows: Vec<String> = (mesh.element_tags().iter().zip(&stresses))
-        .map(|(tag, stress)| {
-            let [xx, yy, zz, xy, yz, zx] = stress.0.map(|s| s / 1e3);
-            format!("{zz:e},{yy:e},{xx:e},{tag},{xy:e},{yz:e},{zx:e}\n")
-        })
-        .collect();
-    rows.reverse();
-    let header = "zz [kPa],yy [kPa],xx [kPa],element [1],xy [kPa],yz [kPa],zx [kPa]\n";
-    let file = folder.0.join("stress.csv");
-    let put = |header: &str, rows: &[String]| {
-        std::fs::write(&file, format!("{header}{}", rows.concat())).unwrap();
-        InSituStress::read(&file, &mesh)
-    };
-    let InSituStress::Elements(found) = put(header, &rows).unwrap() else {
-        panic!("no elements")
-    };
-    for (found, stress) in found.iter().zip(&stresses) {
-        for i in 0..6 {
-            assert!((found.0[i] - stress.0[i]).abs() <= 1e-15 * stress.0[i].abs());
-        }
-    }
-    let table = "[in_situ_stress]\nkind = \"elements\"\nfile = \"stress.csv\"\n";
-    let ground = "[in_situ_stress]\nkind = \"ground\"\nlevel = 12\ndensity = 2600\nlateral = 0.5\n";
-    let text = [MATERIALS, ROLLERS, TRENCH].concat();
-    let text = text.replace("bolts = [\"nail\"]\n", "");
-    let text = text.replace("bolts = [\"anchors\"]\n", "");
-    let with_y = format!("{ground}lateral_y = 0.8\n");
-    let by_field = run(read(&folder, &text.replace(ground, &with_y)).unwrap());
-    let by_table = run(read(&folder, &text.replace(ground, table)).unwrap());
-    for (a, b) in by_field.stages.iter().zip(&by_table.stages) {
-        let [a, b] = [a, b].map(|stage| stage.largest_displacement.0);
-        assert!((a - b).abs() < 1e-9 * a + 1e-12, "{a} {b}");
-    }
-    let told = |header: &str, rows: &[String], passages: &[&str]| {
-        let fault = put(header, rows).unwrap_err().to_string();
-        for passage in passages {
-            assert!(fault.contains(passage), "{fault}");
-        }
-    };
-    told(
-        &header.replace("xy [kPa]", "xy [psi]"),
-        &rows,
-        &["stress.csv", "'xy'", "[psi]"],
-    );
-    told(
-        &header.replace("yz [kPa]", "zy [kPa]"),
-        &rows,
-        &["no column 'yz'"],
-    );
-    told(
-        header,
-        &rows[1..],
-        &[
-            "1 elements",
-            &format!("element {}", mesh.element_tags().last().unwrap()),
-        ],
-    );
-    let twice = [&rows[..], &rows[..1]].concat();
-    told(header, &twice, &["twice"]);
-    let tag = format!(",{},", mesh.element_tags()[3]);
-    let of_row = |to: &str| {
-        rows.iter()
-            .map(|row| row.replace(&tag, to))
-            .collect::<Vec<_>>()
-    };
-    told(
-        header,
-        &of_row(",99999,"),
-        &["element 99999 is not in the mesh"],
-    );
-    told(
-        header,
-        &of_row(",2.5,"),
-        &["element 2.5 is not in the mesh"],
-    );
-    let mut odd = rows.clone();
-    odd[0] = format!("nan{}", &odd[0][odd[0].find(',').unwrap()..]);
-    told(header, &odd, &["not finite"]);
 }
 
 /// What a stage has shown.
