@@ -321,8 +321,8 @@ impl ConstitutiveLaw for Mazars {
         }
         nominal
     }
-    /// A polygon within the circle of the [`bound`](Self::bound): its corners are on the axes of
-    /// volume and shape and halfway between.
+    /// A polygon within the circle that bounds elastic strains: its corners are on the axes of volume
+    /// and shape and halfway between.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         let [volume, shape] = self.strain_norms();
         let half = core::f64::consts::SQRT_2 - 1.0;
