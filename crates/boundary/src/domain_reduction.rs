@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    AbsorbingBoundary, BoundaryParts, BoundarySite, ElementBlock, FieldMotion, FieldSampler,
-    IncidentField, Mesh, ModelError, NodalLoad, Numbering, Operator, Vec3,
+    AbsorbingBoundary, BoundaryParts, BoundarySite, ElementBlock, FieldMotion, IncidentField, Mesh,
+    ModelError, NodalLoad, Numbering, Operator, Vec3,
 };
 
 use crate::BoundaryError;
+use crate::field_load::{FieldForces, field_load};
 
 /// What couples the two sides of one element of a layer.
 #[derive(Clone, Debug)]
@@ -134,19 +135,15 @@ impl ReductionLayer {
             let renumbered = |places: &[u32]| places.iter().map(|place| own[place]).collect();
             let of_nodes = || own.keys().map(|&place| place as usize);
             let points: Vec<Vec3> = of_nodes().map(|place| self.positions[place]).collect();
-            loads.push(Box::new(EffectiveForces {
-                name: field.name().into(),
-                nodes: of_nodes().map(|place| self.nodes[place]).collect(),
-                sampler: field.prepare(&points)?,
-                motion: vec![FieldMotion::default(); points.len()],
-                couplings: (couplings.iter())
-                    .map(|coupling| Coupling {
-                        inner: renumbered(&coupling.inner),
-                        outer: renumbered(&coupling.outer),
-                        stiffness: coupling.stiffness.clone(),
-                    })
-                    .collect(),
-            }));
+            let nodes = of_nodes().map(|place| self.nodes[place]).collect();
+            let couplings: Vec<Coupling> = (couplings.iter())
+                .map(|coupling| Coupling {
+                    inner: renumbered(&coupling.inner),
+                    outer: renumbered(&coupling.outer),
+                    stiffness: coupling.stiffness.clone(),
+                })
+                .collect();
+            loads.push(field_load(field, nodes, &points, couplings)?);
         }
         Ok(loads)
     }
@@ -166,27 +163,10 @@ fn nodes_on(mesh: &Mesh, elements: &[u32]) -> Vec<bool> {
     on
 }
 
-/// The forces of a field on some elements of a layer.
-struct EffectiveForces {
-    name: String,
-    nodes: Vec<u32>,
-    sampler: Box<dyn FieldSampler>,
-    motion: Vec<FieldMotion>,
-    couplings: Vec<Coupling>,
-}
-
-impl NodalLoad for EffectiveForces {
-    fn name(&self) -> &str {
-        &self.name
-    }
-    fn nodes(&self) -> &[u32] {
-        &self.nodes
-    }
-    fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
-        self.motion.fill(FieldMotion::default());
-        self.sampler.add_motion(time, &mut self.motion);
-        let moved = |place: u32| self.motion[place as usize].displacement;
-        for coupling in &self.couplings {
+impl FieldForces for Vec<Coupling> {
+    fn add(&self, motion: &[FieldMotion], forces: &mut [Vec3]) {
+        let moved = |place: u32| motion[place as usize].displacement;
+        for coupling in self {
             let mut numbers = coupling.stiffness.iter();
             for &inner in &coupling.inner {
                 let of_inner = moved(inner);

@@ -1,12 +1,12 @@
 //! The site's own motion, brought in as nodal forces.
 
 use powerhouse_model::{
-    BoundarySite, FieldMotion, FieldSampler, IncidentField, Mat3, ModelError, NodalLoad, SiteFace,
-    Vec3,
+    BoundarySite, FieldMotion, IncidentField, Mat3, ModelError, NodalLoad, SiteFace, Vec3,
 };
 
 use crate::BoundaryError;
 use crate::coefficients::{FaceCoefficients, ShareCoefficients, share_impedance};
+use crate::field_load::{FieldForces, field_load};
 
 /// What comes in through a boundary.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -99,13 +99,9 @@ fn push_loads<F: NodeForce>(
 ) -> Result<(), ModelError> {
     for chunk in nodes.chunks(NODES_PER_LOAD) {
         let points: Vec<Vec3> = chunk.iter().map(|(_, position, _)| *position).collect();
-        loads.push(Box::new(FieldLoad {
-            name: field.name().into(),
-            nodes: chunk.iter().map(|(node, ..)| *node).collect(),
-            sampler: field.prepare(&points)?,
-            motion: vec![FieldMotion::default(); chunk.len()],
-            forces: chunk.iter().map(|(.., force)| *force).collect(),
-        }));
+        let nodes = chunk.iter().map(|(node, ..)| *node).collect();
+        let forces: Vec<F> = chunk.iter().map(|(.., force)| *force).collect();
+        loads.push(field_load(field, nodes, &points, forces)?);
     }
     Ok(())
 }
@@ -175,27 +171,9 @@ impl NodeForce for MatrixForce {
     }
 }
 
-/// The forces of a field on some nodes.
-struct FieldLoad<F> {
-    name: String,
-    nodes: Vec<u32>,
-    sampler: Box<dyn FieldSampler>,
-    /// The field's motion at the nodes, kept to save its allocation in every step.
-    motion: Vec<FieldMotion>,
-    forces: Vec<F>,
-}
-
-impl<F: NodeForce> NodalLoad for FieldLoad<F> {
-    fn name(&self) -> &str {
-        &self.name
-    }
-    fn nodes(&self) -> &[u32] {
-        &self.nodes
-    }
-    fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
-        self.motion.fill(FieldMotion::default());
-        self.sampler.add_motion(time, &mut self.motion);
-        for ((force, motion), node) in forces.iter_mut().zip(&self.motion).zip(&self.forces) {
+impl<F: NodeForce> FieldForces for Vec<F> {
+    fn add(&self, motion: &[FieldMotion], forces: &mut [Vec3]) {
+        for ((force, motion), node) in forces.iter_mut().zip(motion).zip(self) {
             *force += node.force(motion);
         }
     }

@@ -99,6 +99,7 @@
 mod coefficients;
 mod domain_reduction;
 mod error;
+mod field_load;
 mod input;
 pub mod reflection;
 mod viscous;
