@@ -86,7 +86,7 @@ impl ElementKind {
     }
     /// For each corner: the corner and its three neighbours, whose edges form a right-handed
     /// triad in a sound element.
-    pub(crate) fn corners(self) -> &'static [[u8; 4]] {
+    pub fn corners(self) -> &'static [[u8; 4]] {
         match self {
             Self::Hex8 => &HEX_CORNERS,
             Self::Tet4 => &TET_CORNERS,

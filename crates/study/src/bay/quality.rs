@@ -2,18 +2,6 @@
 
 use powerhouse::model::{ElementKind, Mesh, Vec3};
 
-/// Each corner of a hexahedron and its neighbours, right-handed.
-const CORNERS: [[usize; 4]; 8] = [
-    [0, 1, 3, 4],
-    [1, 2, 0, 5],
-    [2, 3, 1, 6],
-    [3, 0, 2, 7],
-    [4, 7, 5, 0],
-    [5, 4, 6, 1],
-    [6, 5, 7, 2],
-    [7, 6, 4, 3],
-];
-
 /// The least scaled Jacobian at the corners of each hexahedron: 1 for a box, not positive for one that
 /// is turned inside out. Other elements are passed over.
 pub fn scaled_jacobians(mesh: &Mesh) -> Vec<f64> {
@@ -33,11 +21,12 @@ fn hexahedra(mesh: &Mesh) -> impl Iterator<Item = [Vec3; 8]> + '_ {
 }
 
 fn least_scaled_jacobian(corners: &[Vec3; 8]) -> f64 {
-    let scaled = CORNERS.map(|[corner, a, b, c]| {
-        let [a, b, c] = [a, b, c].map(|end| (corners[end] - corners[corner]).normalize());
+    let scaled = ElementKind::Hex8.corners().iter().map(|places| {
+        let [corner, a, b, c] = places.map(|place| corners[usize::from(place)]);
+        let [a, b, c] = [a, b, c].map(|end| (end - corner).normalize());
         a.cross(&b).dot(&c)
     });
-    scaled.into_iter().fold(f64::INFINITY, f64::min)
+    scaled.fold(f64::INFINITY, f64::min)
 }
 
 /// The volume (m3) of hexahedra of a mesh, in eight points of Gauss.
