@@ -276,16 +276,14 @@ fn body_of(scene: &Scene) -> String {
         position.iter().for_each(|x| x.to_bits().hash(&mut nodes));
     }
     let mesh = nodes.finish();
-    let held: Vec<usize> = scene
-        .supports()
-        .iter()
-        .map(|held| held.nodes().len())
-        .collect();
-    let tied = scene.periodic_pairs().len();
+    // Which nodes, and in which directions.
+    let mut held = DefaultHasher::new();
+    format!("{:?} {:?}", scene.supports(), scene.periodic_pairs()).hash(&mut held);
+    let held = held.finish();
     let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
     let boundary = scene.absorbing_boundary();
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
-    format!("{mesh:x} {held:?} {tied} {joints:?} {faces:?}")
+    format!("{mesh:x} {held:x} {joints:?} {faces:?}")
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, StudyError> {
