@@ -24,6 +24,7 @@
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
+use std::thread;
 
 use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 use powerhouse::material::{
@@ -149,11 +150,24 @@ fn dissipated<M: ConstitutiveLaw>(
     Ok((work - held) * size / energy)
 }
 
-/// The largest deviation from one over the given numbers of elements, reported each.
-fn deviation(name: &str, counts: &[usize], ratio: impl Fn(usize) -> Outcome<f64>) -> Outcome<f64> {
+/// The largest deviation from one over the given numbers of elements, reported each; they are computed
+/// side by side.
+fn deviation(
+    name: &str,
+    counts: &[usize],
+    ratio: impl Fn(usize) -> Outcome<f64> + Sync,
+) -> Outcome<f64> {
+    let ratio = |count| ratio(count).map_err(|error| error.to_string());
+    let ratio = &ratio;
+    let ratios: Vec<Result<f64, String>> = thread::scope(|scope| {
+        let start = |&count| scope.spawn(move || ratio(count));
+        let started: Vec<_> = counts.iter().map(start).collect();
+        let join = |bar: thread::ScopedJoinHandle<'_, _>| bar.join().expect("bars do not panic");
+        started.into_iter().map(join).collect()
+    });
     let mut worst = 0.0_f64;
-    for &count in counts {
-        let ratio = ratio(count)?;
+    for (count, ratio) in counts.iter().zip(ratios) {
+        let ratio = ratio?;
         println!("{name}: {count} elements take {ratio:.5} of the energy");
         worst = worst.max((ratio - 1.0).abs());
     }
@@ -166,7 +180,7 @@ const COUNTS: [usize; 4] = [10, 20, 40, 80];
 fn bars<M: ConstitutiveLaw>(
     figures: &mut Figures,
     name: &str,
-    law: impl Fn(f64) -> Outcome<M>,
+    law: impl Fn(f64) -> Outcome<M> + Sync,
     strengths: [f64; 2],
 ) -> Outcome<()> {
     for (what, energy, strength) in [
