@@ -247,6 +247,13 @@ impl Bar {
 
     /// The forces (N) at the two points of each segment under the elastic stiffness.
     pub(super) fn elastic(&self, moved: &[[f64; 2]], out: &mut [[f64; 2]]) {
+        if self.grout.is_none() {
+            for ((out, moved), stiffness) in out.iter_mut().zip(moved).zip(&self.stiffness) {
+                let force = stiffness * (moved[1] - moved[0]);
+                *out = [-force, force];
+            }
+            return;
+        }
         let free = Self {
             yield_force: f64::INFINITY,
             pretension: 0.0,

@@ -9,7 +9,7 @@ use powerhouse_model::{
 
 use super::BoltSet;
 use super::bar::{Bar, BarState};
-use super::embedding::HostPoint;
+use super::hanging::Hanging;
 
 /// The name of the axial force in a state, behind that of the set.
 pub(super) const AXIAL_FORCE: &str = "axial_force";
@@ -17,23 +17,18 @@ const PLASTIC: &str = "plastic_elongation";
 const SLIP: &str = "grout_slip";
 const REFERENCE: &str = "installed_at";
 
-/// A point of a bolt: places of nodes in the block, and weights.
-#[derive(Debug)]
-struct Point(Vec<(u32, f64)>);
-
 /// One bolt.
 struct Bolt {
-    direction: Vec3,
     bar: Bar,
-    points: Vec<[Point; 2]>,
+    hanging: Hanging,
     /// Mesh index of the element that each segment is in.
     hosts: Vec<u32>,
     /// Axial displacements (m) at which it was installed.
     reference: Vec<[f64; 2]>,
     committed: BarState,
+    /// That of the last forces, if it is not committed yet.
     latest: BarState,
-    /// Forces (N) of the last evaluation.
-    forces: Vec<[f64; 2]>,
+    pending: bool,
 }
 
 /// All bolts of a set.
@@ -41,6 +36,29 @@ pub(super) struct BoltBlock {
     name: Arc<str>,
     nodes: Vec<u32>,
     bolts: Vec<Bolt>,
+    room: Room,
+}
+
+/// What is computed in from bolt to bolt.
+#[derive(Default)]
+struct Room {
+    sums: Vec<Vec3>,
+    line: Vec<f64>,
+    moved: Vec<[f64; 2]>,
+    forces: Vec<[f64; 2]>,
+}
+
+impl Room {
+    /// No forces yet on so many nodes.
+    fn clear(&mut self, nodes: usize) {
+        self.sums.clear();
+        self.sums.resize(nodes, Vec3::zeros());
+    }
+    /// No forces yet at the points of so many segments.
+    fn clear_bolt(&mut self, segments: usize) {
+        self.forces.clear();
+        self.forces.resize(segments, [0.0; 2]);
+    }
 }
 
 impl BoltBlock {
@@ -51,33 +69,23 @@ impl BoltBlock {
         let mut nodes: Vec<u32> = hosts.flat_map(|end| end.nodes.iter().map(engine)).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let place = |node: &u32| {
-            let engine = engine(node);
+        let place = |node: u32| {
+            let engine = engine(&node);
             nodes.partition_point(|&other| other < engine) as u32
-        };
-        let point = |host: &HostPoint| {
-            let nodes = host.nodes.iter().map(place);
-            Point(nodes.zip(host.weights.iter().copied()).collect())
         };
         let bolts = set.bolts.iter().zip(set.bars());
         let bolts = bolts
             .map(|(bolt, bar)| {
-                let count = bolt.segments.len();
+                let points = bolt.segments.iter().flat_map(|segment| &segment.ends);
+                let hosts = bolt.segments.iter().map(|segment| segment.element);
                 let state = bar.installed();
                 Bolt {
-                    direction: bolt.direction,
-                    points: (bolt.segments.iter())
-                        .map(|segment| segment.ends.each_ref().map(point))
-                        .collect(),
-                    hosts: bolt
-                        .segments
-                        .iter()
-                        .map(|segment| segment.element)
-                        .collect(),
-                    reference: vec![[0.0; 2]; count],
+                    hanging: Hanging::new(bolt.direction, points, place),
+                    hosts: hosts.collect(),
+                    reference: vec![[0.0; 2]; bolt.segments.len()],
                     committed: state.clone(),
                     latest: state,
-                    forces: vec![[0.0; 2]; count],
+                    pending: false,
                     bar,
                 }
             })
@@ -86,11 +94,12 @@ impl BoltBlock {
             name: set.name.clone(),
             bolts,
             nodes,
+            room: Room::default(),
         }
     }
 
     fn segment_count(&self) -> usize {
-        self.bolts.iter().map(|bolt| bolt.points.len()).sum()
+        self.bolts.iter().map(|bolt| bolt.hosts.len()).sum()
     }
 
     /// A field of so many numbers per segment.
@@ -118,60 +127,38 @@ impl BoltBlock {
 }
 
 impl Bolt {
-    /// Axial displacements (m) of its points.
-    fn axial(&self, value: impl Fn(u32) -> Vec3) -> Vec<[f64; 2]> {
-        let along = |point: &Point| -> f64 {
-            let nodes = point.0.iter();
-            nodes
-                .map(|&(place, weight)| weight * self.direction.dot(&value(place)))
-                .sum()
-        };
-        let points = self.points.iter();
-        points.map(|ends| ends.each_ref().map(along)).collect()
-    }
-
-    /// Places of the nodes that it hangs on, in rising order.
-    fn places(&self) -> Vec<u32> {
-        let hosts = self.points.iter().flatten().flat_map(|point| &point.0);
-        let mut places: Vec<u32> = hosts.map(|&(place, _)| place).collect();
-        places.sort_unstable();
-        places.dedup();
-        places
-    }
-
     /// For each of its places, the axial forces (N/m) at all of them if that one alone moves by one
     /// along the bolt, elastic.
-    fn each_column(&self, mut show: impl FnMut(u32, &[(u32, f64)])) {
-        let weight = |point: &Point, place: u32| -> f64 {
-            let own = point.0.iter().filter(|&&(other, _)| other == place);
-            own.map(|&(_, weight)| weight).sum()
-        };
-        let places = self.places();
-        let mut forces = vec![[0.0; 2]; self.points.len()];
-        for &moved in &places {
-            let unit: Vec<[f64; 2]> = (self.points.iter())
-                .map(|ends| ends.each_ref().map(|point| weight(point, moved)))
-                .collect();
-            self.bar.elastic(&unit, &mut forces);
-            let at = |&place: &u32| {
-                let points = self.points.iter().flatten().zip(forces.iter().flatten());
-                let sum = points.map(|(point, force)| weight(point, place) * force);
-                (place, sum.sum())
-            };
-            let column: Vec<(u32, f64)> = places.iter().map(at).collect();
-            show(moved, &column);
+    fn each_column(&self, mut show: impl FnMut(u32, &[f64])) {
+        let places = self.hanging.places();
+        let mut unit = vec![0.0; places.len()];
+        let (mut moved, mut column) = (Vec::new(), Vec::new());
+        let mut forces = vec![[0.0; 2]; self.hosts.len()];
+        for (own, &place) in places.iter().enumerate() {
+            unit[own] = 1.0;
+            self.hanging.interpolate(&unit, &mut moved);
+            unit[own] = 0.0;
+            self.bar.elastic(&moved, &mut forces);
+            self.hanging.gather(&forces, &mut column);
+            show(place, &column);
         }
     }
 
-    /// Adds axial forces at its points to the nodes.
-    fn spread(&self, forces: &[[f64; 2]], out: &mut [Vec3]) {
-        for (points, forces) in self.points.iter().zip(forces) {
-            for (point, force) in points.iter().zip(forces) {
-                for &(place, weight) in &point.0 {
-                    out[place as usize] += self.direction * (weight * force);
-                }
-            }
+    /// The state of the last forces.
+    fn present(&self) -> &BarState {
+        if self.pending {
+            &self.latest
+        } else {
+            &self.committed
         }
+    }
+
+    /// As it is installed, with what was moved before.
+    fn install(&mut self, reference: Vec<[f64; 2]>) {
+        self.reference = reference;
+        self.committed = self.bar.installed();
+        self.latest = self.committed.clone();
+        self.pending = false;
     }
 }
 
@@ -201,19 +188,19 @@ impl ElementBlock for BoltBlock {
         &self.nodes
     }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
-        let mut sums = vec![Vec3::zeros(); self.nodes.len()];
+        let room = &mut self.room;
+        room.clear(self.nodes.len());
+        let value = |place: u32| {
+            let node = self.nodes[place as usize];
+            context.displacement.vector(node as usize)
+        };
         for (index, bolt) in self.bolts.iter_mut().enumerate() {
-            let value = |place: u32| {
-                context
-                    .displacement
-                    .vector(self.nodes[place as usize] as usize)
-            };
-            let mut moved = bolt.axial(value);
-            for (moved, reference) in moved.iter_mut().zip(&bolt.reference) {
+            bolt.hanging.axial(value, &mut room.line, &mut room.moved);
+            for (moved, reference) in room.moved.iter_mut().zip(&bolt.reference) {
                 *moved = [moved[0] - reference[0], moved[1] - reference[1]];
             }
             let broken = |ends: &[f64; 2]| ends.iter().any(|u| !u.is_finite());
-            if let Some(place) = moved.iter().position(broken) {
+            if let Some(place) = room.moved.iter().position(broken) {
                 return Err(ElementFault {
                     element: bolt.hosts[place],
                     reason: format!(
@@ -221,57 +208,65 @@ impl ElementBlock for BoltBlock {
                     ),
                 });
             }
-            let mut forces = core::mem::take(&mut bolt.forces);
+            room.clear_bolt(bolt.hosts.len());
             let (old, new) = (&bolt.committed, &mut bolt.latest);
-            let found = bolt.bar.forces(&moved, old, new, &mut forces);
-            bolt.forces = forces;
+            let found = bolt.bar.forces(&room.moved, old, new, &mut room.forces);
+            bolt.pending = found.is_some();
             if found.is_none() {
                 let stretch = |ends: &[f64; 2]| (ends[1] - ends[0]).abs();
-                let worst = moved.iter().map(stretch).enumerate();
+                let worst = room.moved.iter().map(stretch).enumerate();
                 let worst = worst.max_by(|a, b| a.1.total_cmp(&b.1));
                 return Err(ElementFault {
                     element: bolt.hosts[worst.map_or(0, |(place, _)| place)],
                     reason: format!("bolt {index} finds no balance in its grout"),
                 });
             }
-            bolt.spread(&bolt.forces, &mut sums);
+            let sums = &mut room.sums;
+            bolt.hanging.spread(&room.forces, &mut room.line, sums);
         }
-        put(&sums, out);
+        put(&room.sums, out);
         Ok(())
     }
     fn commit(&mut self) {
-        for bolt in &mut self.bolts {
-            bolt.committed.clone_from(&bolt.latest);
+        for bolt in self.bolts.iter_mut().filter(|bolt| bolt.pending) {
+            core::mem::swap(&mut bolt.committed, &mut bolt.latest);
+            bolt.pending = false;
         }
     }
     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
-        let mut sums = vec![Vec3::zeros(); self.nodes.len()];
+        let mut room = Room::default();
+        room.clear(self.nodes.len());
+        let value = |place: u32| x.vector(self.nodes[place as usize] as usize);
         for bolt in &self.bolts {
-            let moved = bolt.axial(|place| x.vector(self.nodes[place as usize] as usize));
-            let mut forces = vec![[0.0; 2]; moved.len()];
-            bolt.bar.elastic(&moved, &mut forces);
-            bolt.spread(&forces, &mut sums);
+            bolt.hanging.axial(value, &mut room.line, &mut room.moved);
+            room.clear_bolt(bolt.hosts.len());
+            bolt.bar.elastic(&room.moved, &mut room.forces);
+            let sums = &mut room.sums;
+            bolt.hanging.spread(&room.forces, &mut room.line, sums);
         }
-        put(&sums, out);
+        put(&room.sums, out);
     }
     fn diagonal(&self, _operator: Operator, out: &mut [Mat3]) {
         for bolt in &self.bolts {
-            let across = bolt.direction * bolt.direction.transpose();
+            let direction = bolt.hanging.direction();
+            let across = direction * direction.transpose();
+            let mut own = 0;
             bolt.each_column(|place, forces| {
-                let own = forces.iter().find(|(other, _)| *other == place);
-                out[place as usize] += across * own.map_or(0.0, |(_, force)| *force);
+                out[place as usize] += across * forces[own];
+                own += 1;
             });
         }
     }
     fn each_matrix(&self, _operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
         for bolt in &self.bolts {
-            let places = bolt.places();
+            let places = bolt.hanging.places();
             let size = 3 * places.len();
             let mut matrix = vec![0.0; size * size];
-            let across = bolt.direction * bolt.direction.transpose();
+            let direction = bolt.hanging.direction();
+            let across = direction * direction.transpose();
             let mut first = 0;
             bolt.each_column(|_, forces| {
-                for (row, (_, force)) in forces.iter().enumerate() {
+                for (row, force) in forces.iter().enumerate() {
                     for i in 0..3 {
                         for j in 0..3 {
                             matrix[(3 * row + i) * size + first + j] = across[(i, j)] * force;
@@ -298,11 +293,12 @@ impl ElementBlock for BoltBlock {
     }
     fn set_active(&mut self, _active: &[bool]) {}
     fn set_reference_displacement(&mut self, displacement: NodalView) {
+        let value = |place: u32| displacement.vector(self.nodes[place as usize] as usize);
         for bolt in &mut self.bolts {
-            let value = |place: u32| displacement.vector(self.nodes[place as usize] as usize);
-            bolt.reference = bolt.axial(value);
-            bolt.committed = bolt.bar.installed();
-            bolt.latest = bolt.committed.clone();
+            let mut reference = Vec::new();
+            let line = &mut self.room.line;
+            bolt.hanging.axial(value, line, &mut reference);
+            bolt.install(reference);
         }
     }
     fn set_initial_stress(&mut self, _stress: &[Stress]) {}
@@ -310,8 +306,8 @@ impl ElementBlock for BoltBlock {
     fn energy(&self, _context: &BlockContext) -> BlockEnergy {
         let mut energy = BlockEnergy::default();
         for bolt in &self.bolts {
-            energy.elastic += bolt.bar.stored(&bolt.latest);
-            energy.plastic += bolt.latest.spent;
+            energy.elastic += bolt.bar.stored(bolt.present());
+            energy.plastic += bolt.present().spent;
         }
         energy
     }
@@ -348,13 +344,12 @@ impl ElementBlock for BoltBlock {
         };
         let mut start = 0;
         for bolt in &mut self.bolts {
-            let end = start + bolt.points.len();
+            let end = start + bolt.hosts.len();
             let pairs = |values: &[f64]| -> Vec<[f64; 2]> {
                 let values = values[2 * start..2 * end].chunks_exact(2);
                 values.map(|pair| [pair[0], pair[1]]).collect()
             };
-            bolt.reference = pairs(reference);
-            bolt.committed = bolt.bar.installed();
+            bolt.install(pairs(reference));
             bolt.committed.force.copy_from_slice(&force[start..end]);
             bolt.committed.plastic.copy_from_slice(&plastic[start..end]);
             bolt.committed.slip = pairs(slip);

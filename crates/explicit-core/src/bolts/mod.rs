@@ -3,6 +3,7 @@
 mod bar;
 mod block;
 mod embedding;
+mod hanging;
 mod pattern;
 
 use std::sync::Arc;
