@@ -84,6 +84,12 @@ impl StepView for View<'_> {
         let block = self.model.blocks.get(block as usize)?;
         block.shown_history(place as usize, variable)
     }
+    fn embedded(&self, block: &str, variable: &str) -> Option<Vec<f64>> {
+        let name = format!("{block}/{variable}");
+        let block = self.model.embedded_block(block)?;
+        let mut fields = block.history().into_iter();
+        Some(fields.find(|field| field.name == name)?.values)
+    }
     fn joints(&self) -> Vec<JointView<'_>> {
         self.model.joints().collect()
     }

@@ -217,6 +217,12 @@ pub trait StepView {
     fn history(&self, _element: u32, _variable: &str) -> Option<f64> {
         None
     }
+    /// What a block without elements of its own remembers, such as a set of bolts, by the block's label
+    /// and the variable's name, as of the step before; none if there is no such block or variable, or by
+    /// default.
+    fn embedded(&self, _block: &str, _variable: &str) -> Option<Vec<f64>> {
+        None
+    }
     /// The joints of the body; none by default.
     fn joints(&self) -> Vec<JointView<'_>> {
         Vec::new()

@@ -233,11 +233,10 @@ impl Simulation {
         let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(&mut self.model));
         let finish = |report| {
             let snapshots = taken.load(Ordering::Relaxed);
-            let mut results = recordings.finish(report, wall_time, snapshots);
+            let mut results = recordings.finish((report, wall_time, snapshots), bolts);
             if let Some(Rested { stages, hand_over }) = rested {
                 (results.stages, results.hand_over) = (stages, Some(hand_over));
             }
-            results.bolts = bolts;
             results
         };
         match outcome {

@@ -12,7 +12,7 @@ use super::bar::{Bar, BarState};
 use super::hanging::Hanging;
 
 /// The name of the axial force in a state, behind that of the set.
-pub(super) const AXIAL_FORCE: &str = "axial_force";
+pub(crate) const AXIAL_FORCE: &str = "axial_force";
 const PLASTIC: &str = "plastic_elongation";
 const SLIP: &str = "grout_slip";
 const REFERENCE: &str = "installed_at";

@@ -15,6 +15,7 @@ use bar::Bar;
 use block::BoltBlock;
 use embedding::{Segment, embed};
 
+pub(crate) use block::AXIAL_FORCE;
 pub use pattern::BoltPattern;
 
 /// A bolt as a straight line.
@@ -229,7 +230,7 @@ impl BoltSet {
     /// Axial forces (N, tension positive) of all segments, bolt after bolt, in a state; none if it
     /// does not know these bolts.
     pub fn axial_forces(&self, state: &powerhouse_model::State) -> Option<Vec<f64>> {
-        let name = format!("{}/{}", self.name, block::AXIAL_FORCE);
+        let name = format!("{}/{AXIAL_FORCE}", self.name);
         let field = state.history.iter().find(|field| field.name == name)?;
         Some(field.values.clone())
     }

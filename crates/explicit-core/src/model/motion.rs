@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    HistoryField, JointHistory, JointView, ModelError, NodalView, Quad, State, Stress, Vec3,
+    ElementBlock, HistoryField, JointHistory, JointView, ModelError, NodalView, Quad, State,
+    Stress, Vec3,
 };
 
 use super::Model;
@@ -296,6 +297,12 @@ impl Model {
         Ok(())
     }
 
+    /// The embedded block of a label.
+    pub(crate) fn embedded_block(&self, label: &str) -> Option<&dyn ElementBlock> {
+        let mut blocks = self.blocks[self.embedded.clone()].iter();
+        let block = blocks.find(|block| block.label() == label)?;
+        Some(block.as_ref())
+    }
     /// Installs embedded blocks at the present displacement.
     pub(super) fn install(&mut self) {
         let blocks = &mut self.blocks[self.embedded.clone()];

@@ -46,6 +46,12 @@ pub enum ObserveError {
         /// The last of the pairs.
         pair: usize,
     },
+    /// Bolts that the body does not have.
+    #[error("the body has no bolts '{name}' of the segments that are asked for")]
+    NoSuchBolts {
+        /// Their name.
+        name: String,
+    },
     /// A node set without nodes has no mean.
     #[error("'{name}' asks for the mean of node set '{set}', which is empty")]
     EmptySet {

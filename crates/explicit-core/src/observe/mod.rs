@@ -7,6 +7,7 @@
 //! | [`SectionForces`] | normal force, shears and moments of cuts through linings and pillars | 8 bytes a column and row; 144 a node and 288 an element of the cut |
 //! | [`Envelope`] | largest motion of nodes, greatest and least principal stress of elements, with their times | 16 bytes a node and kind of motion, 32 an element |
 //! | [`JointHistories`] | state, slip, opening, tractions and energies of joints, and their pairs as they were last | 8 bytes a column and row, 350 a pair |
+//! | [`BoltHistories`] | the greatest axial force of sets of bolts, and that of each segment with its time | 8 bytes a set and row, 16 a segment |
 //! | [`StatePeaks`] | the greatest of what laws remember, with its time | 16 bytes an element and amount |
 //! | [`Snapshots`] | nothing: hands whole fields to a [`SnapshotSink`] | one copy of each field wanted |
 //!
@@ -21,6 +22,7 @@
 //! loads on a coarse mesh.
 //! *Tables know names and units*, so that whoever writes a file needs no second list of them.
 
+mod bolts;
 mod energy;
 mod envelope;
 mod error;
@@ -35,6 +37,7 @@ mod snapshots;
 mod state;
 mod table;
 
+pub use bolts::{BoltHistories, BoltPeaks, BoltTables};
 pub use energy::EnergyHistory;
 pub use envelope::{Envelope, EnvelopeTable, PeakField};
 pub use error::ObserveError;

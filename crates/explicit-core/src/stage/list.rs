@@ -112,7 +112,6 @@ impl<'a> Stage<'a> {
 
 /// What a stage took and did.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct StageReport {
     /// The stage's name.
     pub name: String,

@@ -1,14 +1,15 @@
 //! Rock bolts.
 
 use nalgebra::DMatrix;
+use powerhouse_explicit_core::observe::BoltHistories;
 use powerhouse_explicit_core::{
     BlockPart, BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSet, EnergyCheck, Grout,
     Leapfrog, Model, NodalForce, Prescribed, RunOptions, Stage, StageModel, StaticOptions,
     StepChoice, Support, run, run_stages,
 };
 use powerhouse_model::{
-    BlockContext, ElasticMedium, ElementBlock, Mesh, NodalView, NodalViewMut, Numbering, Operator,
-    Quad, State, Strain, Vec3,
+    BlockContext, Cadence, ElasticMedium, ElementBlock, Mesh, NodalView, NodalViewMut, Numbering,
+    Operator, Quad, State, Strain, Vec3,
 };
 
 use super::{
@@ -419,4 +420,83 @@ fn bolts_go_through_stages() {
     let mut second = dynamic(&middle);
     run(&mut second, &Leapfrog, &shaken, &mut [], &mut |_| {}).unwrap();
     assert!(second.state() == after);
+}
+
+/// What an observer keeps of bolts are the forces of the states of the run: at every look the greatest of
+/// the state with as many steps, and of each segment the greatest of all of these with its time. Bolts
+/// that the body does not have are refused.
+#[test]
+fn forces_of_bolts_are_kept_over_a_run() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(4.0), [4; 3], "ground").unwrap();
+    let line = |x: f64| BoltLine {
+        head: Vec3::new(x, 0.5, 4.0),
+        toe: Vec3::new(x, 0.6, 0.2),
+    };
+    let steel = BoltParameters::steel(0.025).unwrap();
+    let hosts = all_elements(&mesh);
+    let bolts = BoltSet::new("roof", &mesh, &hosts, &[line(0.5), line(3.5)], steel).unwrap();
+    let body = || {
+        let push = NodalForce::new(
+            face_nodes(&mesh, "top"),
+            Vec3::new(0.0, 0.0, 1.0e5),
+            Box::new(|t: f64| (1.0e3 * t).sin()),
+        );
+        let builder = on_rollers(&mesh, elastic_body(&mesh)).embed(bolts.block());
+        builder.load(Box::new(push)).build().unwrap()
+    };
+    let step = body().stable_step(&Leapfrog).unwrap().step;
+    let options = |steps| RunOptions::steps(steps).with_step(StepChoice::Fixed(step));
+    let watch = |bolts| {
+        let watch = BoltHistories::new(Cadence::Steps(1), [bolts]).unwrap();
+        (watch.recording(), Box::new(watch))
+    };
+    let (recording, observer) = watch(&bolts);
+    run(
+        &mut body(),
+        &Leapfrog,
+        &options(60),
+        &mut [observer],
+        &mut |_| {},
+    )
+    .unwrap();
+
+    let mut model = body();
+    let forces = |model: &mut Model| bolts.axial_forces(&model.state()).unwrap();
+    let mut states = vec![forces(&mut model)];
+    for _ in 0..60 {
+        run(&mut model, &Leapfrog, &options(1), &mut [], &mut |_| {}).unwrap();
+        states.push(forces(&mut model));
+    }
+    let tables = recording.copy();
+    let most = |forces: &Vec<f64>| forces.iter().copied().fold(f64::MIN, f64::max);
+    let column = tables.history.column("roof.greatest").unwrap();
+    assert_eq!(column.values.len(), 60);
+    for (row, &greatest) in column.values.iter().enumerate() {
+        assert_eq!(greatest, most(&states[row]), "row {row}");
+    }
+    let peaks = &tables.peaks[0].greatest;
+    assert!(most(&peaks.values) > 10.0, "the bolts bear something");
+    for (segment, (&value, &time)) in peaks.values.iter().zip(&peaks.times).enumerate() {
+        let of_states = states[..60].iter().map(|forces| forces[segment]);
+        assert_eq!(value, of_states.fold(f64::MIN, f64::max));
+        let row = tables
+            .history
+            .times
+            .iter()
+            .position(|&t| t == time)
+            .unwrap();
+        assert_eq!(states[row][segment], value);
+    }
+
+    let other = BoltSet::new("walls", &mesh, &hosts, &[line(1.5)], steel).unwrap();
+    let (_, observer) = watch(&other);
+    let refused = run(
+        &mut body(),
+        &Leapfrog,
+        &options(2),
+        &mut [observer],
+        &mut |_| {},
+    );
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("no bolts 'walls'"), "{refused}");
 }

@@ -1,6 +1,7 @@
 //! Axial forces of bolts.
 
 use powerhouse_explicit_core::BoltSet;
+use powerhouse_explicit_core::observe::PeakField;
 use powerhouse_io::TableColumn;
 use powerhouse_model::{Mesh, State};
 
@@ -17,6 +18,8 @@ pub struct BoltForces {
     pub ends: Vec<[f64; 2]>,
     /// Axial forces (N), tension positive.
     pub forces: Vec<f64>,
+    /// The greatest of them in a run (N), with its time (s), if one was watched.
+    pub greatest: Option<PeakField>,
 }
 
 impl BoltForces {
@@ -28,6 +31,7 @@ impl BoltForces {
             elements: Vec::new(),
             ends: Vec::new(),
             forces: bolts.axial_forces(state)?,
+            greatest: None,
         };
         for bolt in 0..bolts.len() {
             for segment in bolts.segments(bolt) {
@@ -48,17 +52,29 @@ impl BoltForces {
         let all = self.bolts.iter().copied().zip(self.forces.iter().copied());
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
+    /// The greatest force of a run (N, tension positive) and its time (s), with the bolt that bore it.
+    pub fn greatest_of_run(&self) -> Option<(usize, f64, f64)> {
+        let PeakField { values, times } = self.greatest.as_ref()?;
+        let all = self.bolts.iter().zip(values.iter().zip(times));
+        let all = all.map(|(&bolt, (&value, &time))| (bolt, value, time));
+        all.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
 
-    pub(super) fn columns(&self) -> [TableColumn; 5] {
+    pub(super) fn columns(&self) -> Vec<TableColumn> {
         let bolts = self.bolts.iter().map(|&bolt| bolt as f64 + 1.0);
         let elements = self.elements.iter().map(|&element| element as f64);
         let end = |i: usize| self.ends.iter().map(|ends| ends[i]).collect();
-        [
+        let mut columns = vec![
             TableColumn::new("bolt", "1", bolts.collect()),
             TableColumn::new("element", "1", elements.collect()),
             TableColumn::new("from", "m", end(0)),
             TableColumn::new("to", "m", end(1)),
             TableColumn::new("axial force", "N", self.forces.clone()),
-        ]
+        ];
+        if let Some(PeakField { values, times }) = &self.greatest {
+            columns.push(TableColumn::new("greatest force", "N", values.clone()));
+            columns.push(TableColumn::new("time of it", "s", times.clone()));
+        }
+        columns
     }
 }

@@ -29,9 +29,10 @@ use crate::{Error, Remark, StageSink};
 /// | `envelope.vtu` | greatest values with their times |
 /// | `state.vtu` | the greatest of what laws remember, such as damage, with times; damage type and yield state at the end |
 /// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
-/// | `pictures/joint-NAME-WHAT.png` | each joint's facets with state and bond at the end, slip and peak opening if there were any |
+/// | `pictures/joint-NAME-WHAT.png` | each joint's facets with state and bond at the end, what they did over the run, slip and peak opening if there were any |
 /// | `stages/NUMBER-NAME.vtu` | the body at the end of each stage: displacement, stress, what laws remember, which elements are there; beside it the facets of joints (`-JOINT.vtu`) and the axial forces of bolts (`-BOLTS.csv`) |
-/// | `bolts/NAME.csv` | axial forces of bolts at the end, segment by segment |
+/// | `bolts.csv`, `plots/bolts-NAME.svg` | the greatest axial force of each make of bolts against time |
+/// | `bolts/NAME.csv` | axial forces of bolts at the end and the greatest of the run, segment by segment |
 /// | `snapshots.pvd` and a folder beside it | whole fields, and the facets of joints, for ParaView |
 /// | `scene.toml` | the scene as it was run |
 ///
@@ -49,11 +50,12 @@ const STAGES: &str = "stages";
 /// The file that marks a folder of results.
 const SUMMARY: &str = "summary.json";
 /// Tables, with a plot of each of their names.
-const TABLES: [&str; 4] = [
+const TABLES: [&str; 5] = [
     "histories.csv",
     "sections.csv",
     "energies.csv",
     "joints.csv",
+    "bolts.csv",
 ];
 /// Greatest values, with a picture of each.
 const ENVELOPE: &str = "envelope.vtu";
@@ -178,6 +180,7 @@ impl ResultFolder {
             &results.sections,
             &results.energies,
             &results.joint_histories,
+            &results.bolt_histories,
         ];
         for (name, table) in TABLES.into_iter().zip(tables) {
             if !table.times.is_empty() {
@@ -190,8 +193,13 @@ impl ResultFolder {
                 files.write(&format!("plots/{name}.svg"), plot)?;
             }
         }
-        for (name, plot) in drawing::plots(&columns(&results.joint_histories)) {
-            files.write(&format!("plots/joint-{name}.svg"), plot)?;
+        for (kind, table) in [
+            ("joint", &results.joint_histories),
+            ("bolts", &results.bolt_histories),
+        ] {
+            for (name, plot) in drawing::plots(&columns(table)) {
+                files.write(&format!("plots/{kind}-{name}.svg"), plot)?;
+            }
         }
         if !results.energies.times.is_empty() {
             let columns = columns(&results.energies);

@@ -10,7 +10,8 @@ use powerhouse_model::{Bond, ContactState, JointPair, JointRecord, Mesh, Vec3};
 /// The files of a joint's facets.
 ///
 /// Facets share no points, so that each shows the pair of its own side of an edge. Fields: `state`
-/// (0 sticks, 1 slides, 2 open) and `bond` (0 never, 1 intact, 2 broken), normal and shear traction,
+/// (0 sticks, 1 slides, 2 open), `over the run` (0 held, 1 slid, 2 opened, 3 both) and `bond` (0 never,
+/// 1 intact, 2 broken), normal and shear traction,
 /// opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
 /// energies of friction, bond and impact per area. Tips, where both sides are one, have zeros.
 pub(super) struct JointFacets {
@@ -149,8 +150,9 @@ pub(super) struct JointPicture {
 }
 
 /// The fields that are drawn, with their units or the names of their kinds.
-const PICTURES: [(&str, &str, &[&str]); 4] = [
+const PICTURES: [(&str, &str, &[&str]); 5] = [
     ("state", "", &["sticks", "slides", "open"]),
+    ("over the run", "", &["held", "slid", "opened", "both"]),
     ("bond", "", &["none", "intact", "broken"]),
     ("slip", "m", &[]),
     ("peak opening", "m", &[]),
@@ -158,11 +160,15 @@ const PICTURES: [(&str, &str, &[&str]); 4] = [
 
 type Value = fn(&JointPair, &JointRecord) -> f64;
 
-const FIELDS: [(&str, Value); 12] = [
+const FIELDS: [(&str, Value); 13] = [
     ("state", |_, record| match record.state.contact {
         ContactState::Stick => 0.0,
         ContactState::Slide => 1.0,
         ContactState::Open => 2.0,
+    }),
+    ("over the run", |_, record| {
+        let slid = f64::from(u8::from(record.first_slip.is_some()));
+        slid + 2.0 * f64::from(u8::from(record.first_crack.is_some()))
     }),
     ("bond", |_, record| match record.state.bond {
         Bond::Never => 0.0,

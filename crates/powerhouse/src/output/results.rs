@@ -4,11 +4,11 @@ use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{
-    Column, CutSource, EnergyHistory, Envelope, EnvelopeTable, History, HistoryTable,
-    JointHistories, JointOutcome, JointQuantities, JointTable, JointTables, JointWatch, Motion,
-    PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
+    BoltHistories, BoltTables, Column, CutSource, EnergyHistory, Envelope, EnvelopeTable, History,
+    HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
+    JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
-use powerhouse_explicit_core::{HandOverReport, RunReport, StageReport};
+use powerhouse_explicit_core::{BoltSet, HandOverReport, RunReport, StageReport};
 use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
 
 use super::{BoltForces, JointWish, OutputPlan, Remembered};
@@ -64,8 +64,10 @@ pub struct Results {
     pub stages: Vec<StageReport>,
     /// What holds the body beside its loads, if it went through stages.
     pub hand_over: Option<HandOverReport>,
-    /// The axial forces of bolts at the end.
+    /// The axial forces of bolts at the end, and the greatest of the run.
     pub bolts: Vec<BoltForces>,
+    /// The greatest axial force of each make of bolts against time, first at rest: `NAME.greatest`.
+    pub bolt_histories: HistoryTable,
 }
 
 impl Results {
@@ -121,6 +123,7 @@ impl Results {
         let mut peaks = PeakTable::default();
         peaks.add_history(&self.histories);
         peaks.add_history(&self.sections);
+        peaks.add_history(&self.bolt_histories);
         // Most of a joint mostly does nothing.
         let mut of_joints = self.joint_histories.clone();
         let moves = |column: &Column| column.values.iter().any(|value| *value != 0.0);
@@ -146,6 +149,7 @@ pub(crate) struct Recordings {
     state: Option<Recording<StateTable>>,
     joints: Option<Recording<JointTables>>,
     joint_surfaces: Vec<NamedSurface>,
+    bolts: Option<Recording<BoltTables>>,
 }
 
 impl Recordings {
@@ -166,6 +170,7 @@ impl Recordings {
             state: None,
             joints: None,
             joint_surfaces: Vec::new(),
+            bolts: None,
         };
         let history = histories(plan, mesh, remembered)?;
         if !history.is_empty() {
@@ -248,12 +253,34 @@ impl Recordings {
         Ok(())
     }
 
+    /// Keeps the forces of bolts.
+    pub(crate) fn watch_bolts<'b>(
+        &mut self,
+        plan: &OutputPlan,
+        bolts: impl IntoIterator<Item = &'b BoltSet>,
+        observers: &mut Vec<Box<dyn Observer>>,
+    ) -> Result<(), Error> {
+        let mut bolts = bolts.into_iter().peekable();
+        if bolts.peek().is_some() {
+            let cadence = Cadence::Seconds(plan.every);
+            let histories = BoltHistories::new(cadence, bolts).map_err(model)?;
+            self.bolts = Some(histories.recording());
+            observers.push(Box::new(histories));
+        }
+        Ok(())
+    }
+
     /// The sides of the joints, by name.
     pub(crate) fn joint_surfaces(&self) -> &[NamedSurface] {
         &self.joint_surfaces
     }
 
-    pub(crate) fn finish(self, run: RunReport, wall_time: Duration, snapshots: u64) -> Results {
+    /// All that was recorded; bolts come with their forces at the end.
+    pub(crate) fn finish(
+        self,
+        (run, wall_time, snapshots): (RunReport, Duration, u64),
+        mut bolts: Vec<BoltForces>,
+    ) -> Results {
         let table = |recording: Option<Recording<HistoryTable>>| {
             recording.map(|r| r.copy()).unwrap_or_default()
         };
@@ -261,6 +288,15 @@ impl Recordings {
             .joints
             .map(|recording| recording.copy())
             .unwrap_or_default();
+        let tables = self.bolts.map(|recording| recording.copy());
+        let BoltTables { history, peaks } = tables.unwrap_or_default();
+        // A run that failed at once has looked at none.
+        let seen = peaks.into_iter().filter(|_| !history.times.is_empty());
+        for peaks in seen {
+            if let Some(bolts) = bolts.iter_mut().find(|bolts| bolts.name == peaks.name) {
+                bolts.greatest = Some(peaks.greatest);
+            }
+        }
         // Joints that share nodes stand side by side in the model, whatever their order here.
         let surface = |joint: &JointTable| {
             let mut surfaces = self.joint_surfaces.iter();
@@ -283,7 +319,8 @@ impl Recordings {
             snapshots,
             stages: Vec::new(),
             hand_over: None,
-            bolts: Vec::new(),
+            bolts,
+            bolt_histories: history,
         }
     }
 }

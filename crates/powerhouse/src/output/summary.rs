@@ -85,6 +85,14 @@ struct Bolts {
     greatest_force: f64,
     /// Which bolt bears it, from one
     bolt: usize,
+    /// N, in the run
+    #[serde(skip_serializing_if = "Option::is_none")]
+    greatest_of_run: Option<f64>,
+    /// s
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bolt_of_run: Option<usize>,
 }
 
 #[derive(Debug, Serialize)]
@@ -244,7 +252,11 @@ impl Stage {
 impl Bolts {
     fn new(forces: &BoltForces) -> Option<Self> {
         let (bolt, greatest_force) = forces.greatest()?;
+        let of_run = forces.greatest_of_run();
         Some(Self {
+            greatest_of_run: of_run.map(|(_, force, _)| force),
+            time: of_run.map(|(.., time)| time),
+            bolt_of_run: of_run.map(|(bolt, ..)| bolt + 1),
             name: forces.name.clone(),
             bolts: forces.bolts.last().map_or(0, |last| last + 1),
             greatest_force,

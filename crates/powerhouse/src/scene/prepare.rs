@@ -101,6 +101,10 @@ impl Scene {
             observed
                 .0
                 .watch_joints(&self.output, &self.mesh, surfaces, &mut observed.1)?;
+            if let Some(timeline) = &timeline {
+                let bolts = timeline.bolts(self.stages.len());
+                (observed.0).watch_bolts(&self.output, bolts, &mut observed.1)?;
+            }
             builder.build()?
         };
         self.remarks.append(&mut remarks);

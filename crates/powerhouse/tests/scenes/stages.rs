@@ -538,6 +538,8 @@ law = "tied"
         "stages/3-support.vtu",
         "stages/3-support-the-seam.vtu",
         "bolts/anchors.csv",
+        "bolts.csv",
+        "plots/bolts-anchors.svg",
     ] {
         assert!(
             file(name).metadata().is_ok_and(|data| data.len() > 0),
@@ -552,13 +554,27 @@ law = "tied"
     let whole: f64 = lengths.map(|(to, from)| to - from).sum();
     let bolts = table[0].values.last().unwrap();
     assert!((whole - 5.0 * bolts).abs() < 1e-6, "{whole} {bolts}");
+    // The run begins with what the last stage left, and its greatest is that of its bolts.
+    let history = read_table(&file("bolts.csv")).unwrap();
+    let anchors = history
+        .iter()
+        .find(|column| column.name == "anchors.greatest");
+    let anchors = &anchors.unwrap().values;
+    let most = |values: &[f64]| values.iter().copied().fold(f64::MIN, f64::max);
+    assert_eq!(anchors[0], most(&table[4].values));
+    let table = read_table(&file("bolts/anchors.csv")).unwrap();
+    assert_eq!(table[5].name, "greatest force");
+    assert_eq!(most(&table[5].values), most(anchors));
     let summary = std::fs::read_to_string(file("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let of_run = summary["bolts"][1]["greatest_of_run"].as_f64().unwrap();
+    assert!((of_run / most(anchors) - 1.0).abs() < 1e-12, "{of_run}");
     assert_eq!(summary["stages"][1]["excavated"], 20);
     assert!(summary["hand_over"]["standing"].as_f64().unwrap() > 1e5);
     assert_eq!(summary["bolts"][0]["name"], "nail");
     out.clear().unwrap();
     assert!(!file("stages/1-ground.vtu").exists() && !file("bolts/anchors.csv").exists());
+    assert!(!file("bolts.csv").exists());
     assert!(!file("stages/2-trench-nail.csv").exists());
 }
 

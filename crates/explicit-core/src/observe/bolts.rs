@@ -1,0 +1,98 @@
+//! Axial forces of bolts over a run.
+
+use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, StepView};
+
+use super::{HistoryTable, ObserveError, PeakField, Recording, check_cadence};
+use crate::BoltSet;
+use crate::bolts::AXIAL_FORCE;
+
+/// The greatest axial forces of the bolts of a set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoltPeaks {
+    /// The name of the set.
+    pub name: String,
+    /// The greatest axial force (N, tension positive) of each segment, bolt after bolt, with its time.
+    pub greatest: PeakField,
+}
+
+/// What [`BoltHistories`] have seen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BoltTables {
+    /// A column `NAME.greatest` for each set: the greatest axial force (N) of any of its segments at
+    /// the time.
+    pub history: HistoryTable,
+    /// The greatest forces of each set.
+    pub peaks: Vec<BoltPeaks>,
+}
+
+/// Keeps the axial forces of bolts over a run: the greatest of each set against time, and the greatest
+/// of each segment.
+///
+/// Memory: 8 bytes per set and row, 16 per segment.
+pub struct BoltHistories {
+    cadence: Cadence,
+    recording: Recording<BoltTables>,
+}
+
+impl BoltHistories {
+    /// Histories of some sets of bolts, which the model has.
+    ///
+    /// # Errors
+    /// A cadence out of range, two sets of one name.
+    pub fn new<'b>(
+        cadence: Cadence,
+        sets: impl IntoIterator<Item = &'b BoltSet>,
+    ) -> Result<Self, ObserveError> {
+        check_cadence(cadence)?;
+        let mut tables = BoltTables::default();
+        for set in sets {
+            let column = format!("{}.greatest", set.name());
+            tables.history.add_column(column, "N")?;
+            let segments = (0..set.len()).map(|bolt| set.segments(bolt).len()).sum();
+            tables.peaks.push(BoltPeaks {
+                name: set.name().into(),
+                greatest: PeakField::new(segments, f64::NEG_INFINITY),
+            });
+        }
+        Ok(Self {
+            cadence,
+            recording: Recording::new(tables),
+        })
+    }
+    /// What it fills.
+    pub fn recording(&self) -> Recording<BoltTables> {
+        self.recording.clone()
+    }
+}
+
+impl Observer for BoltHistories {
+    fn name(&self) -> &str {
+        "bolts"
+    }
+    fn fields(&self) -> Fields {
+        Fields::default()
+    }
+    fn cadence(&self) -> Cadence {
+        self.cadence
+    }
+    fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
+        let time = view.time();
+        let mut guard = self.recording.lock();
+        let BoltTables { history, peaks } = &mut *guard;
+        let mut row = Vec::with_capacity(peaks.len());
+        for BoltPeaks { name, greatest } in peaks {
+            let forces = view.embedded(name, AXIAL_FORCE);
+            let forces = forces.filter(|forces| forces.len() == greatest.values.len());
+            let Some(forces) = forces else {
+                let name = name.clone();
+                return Err(ObserveError::NoSuchBolts { name }.into());
+            };
+            for (segment, force) in forces.iter().enumerate() {
+                greatest.raise(segment, *force, time);
+            }
+            row.push(forces.into_iter().fold(f64::NEG_INFINITY, f64::max));
+        }
+        history.push(time, &row);
+        Ok(Flow::Continue)
+    }
+}
