@@ -79,11 +79,14 @@ fn registered_types_bring_their_keys() {
     );
 }
 
-/// Unknown keys are refused by the schema as they are by the reader.
+/// Unknown keys are refused by the schema as they are by the reader; but for what a case changes of a table,
+/// where the reader looks at the table.
 #[test]
 fn every_table_is_closed() {
     let schema = schema();
-    for (name, definition) in schema["$defs"].as_object().unwrap() {
+    let changes = ["ByName", "BySet"];
+    let tables = schema["$defs"].as_object().unwrap().iter();
+    for (name, definition) in tables.filter(|(name, _)| !changes.contains(&name.as_str())) {
         let open = |table: &Value| {
             table.get("properties").is_some()
                 && table.get("additionalProperties") != Some(&Value::Bool(false))

@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
-use super::{Material, Parameters, SceneFile};
+use super::{Material, Parameters, SceneFile, change};
 use crate::fault::{Fault, Problem};
 
 /// Keys whose table, or whose tables in an array, say their shape by `kind`.
@@ -50,12 +50,29 @@ const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer"]);
 /// The first fault with its place: broken syntax, an unknown or missing key, a value of a wrong
 /// type or outside its range.
 pub fn decode(text: &str) -> Result<SceneFile, Fault> {
-    let mut root = tree(text)?;
+    read(text, None)
+}
+
+/// Reads a scene as one of its cases has it: as [`decode`] if there is no such case.
+///
+/// # Errors
+/// As [`decode`]; a table that the case changes and the scene does not have.
+pub fn decode_case(text: &str, case: &str) -> Result<SceneFile, Fault> {
+    let scene = read(text, Some(case))?;
+    let found = scene.cases.iter().find(|found| *found.name == case);
+    Ok(match found {
+        Some(case) => scene.with_case(case),
+        None => scene,
+    })
+}
+
+fn read(text: &str, case: Option<&str>) -> Result<SceneFile, Fault> {
+    let mut root = tree_of(text, case)?;
     for (section, shared) in [MATERIAL, JOINT, BOUNDARY] {
         split(root.get_mut(), section, shared);
     }
     let mut scene = SceneFile::deserialize(Deserializer::from(root)).map_err(Fault::from_toml)?;
-    let text: Arc<str> = text.into();
+    let text = Source::of(text, case);
     for (index, material) in scene.materials.iter_mut().enumerate() {
         material.parameters = Parameters::new(text.clone(), (MATERIAL.0, index), MATERIAL.1);
     }
@@ -66,6 +83,26 @@ pub fn decode(text: &str) -> Result<SceneFile, Fault> {
         boundary.parameters = Parameters::new(text, (BOUNDARY.0, 0), BOUNDARY.1);
     }
     Ok(scene)
+}
+
+/// The text of a scene, and which of its cases is meant.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Source {
+    text: Arc<str>,
+    case: Option<Arc<str>>,
+}
+
+impl Source {
+    fn of(text: &str, case: Option<&str>) -> Self {
+        Self {
+            text: text.into(),
+            case: case.map(Into::into),
+        }
+    }
+    /// Parsed anew.
+    pub(super) fn tree(&self) -> Result<Spanned<DeTable<'_>>, Fault> {
+        tree_of(&self.text, self.case.as_deref())
+    }
 }
 
 /// Reads any structure whose tables with a `kind` are those of scenes.
@@ -83,7 +120,7 @@ pub(crate) fn decode_materials(text: &str) -> Result<Vec<Material>, Fault> {
     let mut root = tree(text)?;
     split(root.get_mut(), MATERIAL.0, MATERIAL.1);
     let read = Materials::deserialize(Deserializer::from(root)).map_err(Fault::from_toml)?;
-    let text: Arc<str> = text.into();
+    let text = Source::of(text, None);
     let mut materials = read.materials;
     for (index, material) in materials.iter_mut().enumerate() {
         material.parameters = Parameters::new(text.clone(), (MATERIAL.0, index), MATERIAL.1);
@@ -91,8 +128,17 @@ pub(crate) fn decode_materials(text: &str) -> Result<Vec<Material>, Fault> {
     Ok(materials)
 }
 
+/// The parsed text as a case has it, with its tagged tables rewritten.
+fn tree_of<'t>(text: &'t str, case: Option<&str>) -> Result<Spanned<DeTable<'t>>, Fault> {
+    let mut root = tree(text)?;
+    if let Some(case) = case {
+        change::apply(root.get_mut(), case)?;
+    }
+    Ok(root)
+}
+
 /// The parsed text with its tagged tables rewritten.
-pub(super) fn tree(text: &str) -> Result<Spanned<DeTable<'_>>, Fault> {
+fn tree(text: &str) -> Result<Spanned<DeTable<'_>>, Fault> {
     let mut root = DeTable::parse(text).map_err(Fault::from_toml)?;
     tag_tables(root.get_mut())?;
     Ok(root)

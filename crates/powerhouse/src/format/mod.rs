@@ -10,6 +10,7 @@
 
 mod at;
 mod case;
+mod change;
 mod decode;
 mod function;
 mod ground;
@@ -31,8 +32,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 pub use at::At;
-pub use case::Case;
-pub use decode::decode;
+pub use case::{ByName, BySet, Case, Changed};
+pub use decode::{decode, decode_case};
 pub(crate) use decode::{decode_materials, decode_tagged};
 pub use function::{Function, Pulse};
 pub use ground::{

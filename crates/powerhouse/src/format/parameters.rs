@@ -1,13 +1,12 @@
 //! The keys of an open table: what a registered law or boundary wants.
 
 use core::ops::Range;
-use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 
-use super::decode;
+use super::decode::{self, Source};
 use crate::fault::Fault;
 
 /// The keys of a material or boundary that its law or kind reads.
@@ -15,7 +14,7 @@ use crate::fault::Fault;
 pub struct Parameters {
     /// The whole scene: parsed trees borrow from the text that they came from, so a table is found
     /// again in it rather than kept.
-    text: Arc<str>,
+    text: Source,
     section: &'static str,
     index: usize,
     /// Keys of the table that the scene format reads itself.
@@ -24,7 +23,7 @@ pub struct Parameters {
 
 impl Parameters {
     pub(super) fn new(
-        text: Arc<str>,
+        text: Source,
         (section, index): (&'static str, usize),
         shared: &'static [&'static str],
     ) -> Self {
@@ -52,7 +51,7 @@ impl Parameters {
         })
     }
     fn table(&self) -> Result<Spanned<DeTable<'_>>, Fault> {
-        let mut root = decode::tree(&self.text)?;
+        let mut root = self.text.tree()?;
         let mut own = decode::split(root.get_mut(), self.section, self.shared);
         Ok(if self.index < own.len() {
             own.swap_remove(self.index)

@@ -62,12 +62,16 @@ impl Scene {
         let mut file = format::decode(&text.text).map_err(refused)?;
         let cases = case_names(&file.cases).map_err(refused)?;
         if let Some(name) = case {
-            let found = file.cases.iter().find(|case| *case.name == name);
-            let Some(found) = found else {
+            if !cases.iter().any(|case| case == name) {
                 let (name, available) = (name.into(), cases);
                 return Err(Error::NoSuchCase { name, available });
-            };
-            file = file.with_case(found);
+            }
+            file = format::decode_case(&text.text, name).map_err(refused)?;
+        } else {
+            // A sweep of hours is to say at its start what is wrong with its last case.
+            for name in &cases {
+                check_case(&text.text, name, registry).map_err(refused)?;
+            }
         }
         let mut scene = resolve::compose(&text, &file, registry).map_err(refused)?;
         scene.directory = file.output.directory;
@@ -83,6 +87,21 @@ fn read(path: &Path) -> Result<String, Error> {
         path: path.into(),
         source,
     })
+}
+
+/// Reads a case as far as neither mesh nor records are needed.
+fn check_case(text: &str, name: &str, registry: &Registry) -> Result<(), Fault> {
+    let file = format::decode_case(text, name)?;
+    for material in &file.materials {
+        registry.material(material)?;
+    }
+    for joint in &file.joints {
+        registry.joint_law(joint)?;
+    }
+    if let Some(boundary) = &file.boundary {
+        registry.boundary(boundary)?;
+    }
+    Ok(())
 }
 
 /// The names of cases, each of them once.
