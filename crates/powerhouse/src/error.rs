@@ -186,6 +186,12 @@ pub enum Error {
         /// Elements that are not there after its stages.
         expected_absent: usize,
     },
+    /// A file that holds no whole body at rest, or one of another version.
+    #[error("{} holds no whole body at rest that this version reads", path.display())]
+    NotABody {
+        /// The file.
+        path: PathBuf,
+    },
     /// A run that was stopped from outside before the body moved.
     #[error("interrupted in the stage '{stage}'")]
     Interrupted {

@@ -3,6 +3,7 @@
 mod bolts;
 mod error;
 mod in_situ;
+mod kept;
 mod list;
 mod overview;
 mod rest;
