@@ -6,6 +6,7 @@
 mod check;
 mod drive;
 mod mesh;
+mod page;
 mod progress;
 mod report;
 mod run;
@@ -92,7 +93,8 @@ enum Command {
         #[arg(long, value_name = "SECONDS")]
         duration: Option<f64>,
     },
-    /// Write one HTML page of the results of a sweep or a run.
+    /// Write one HTML page of the results of a sweep or a run; of a sweep, print what its cases say to the
+    /// conclusions of Wang, Chen & Xiao (2019) and what single choices do.
     Report {
         /// The folder of the results.
         folder: PathBuf,
@@ -136,12 +138,7 @@ fn main() -> ExitCode {
             cases,
             duration,
         } => sweep::sweep(&scene, out, &cases, duration),
-        Command::Report { folder } => powerhouse_study::write_report(folder)
-            .map(|file| {
-                println!("{}", file.display());
-                ExitCode::SUCCESS
-            })
-            .map_err(Into::into),
+        Command::Report { folder } => page::page(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
         Command::Schema => {
             println!("{:#}", powerhouse_study::registry().schema().to_value());

@@ -23,6 +23,7 @@
 
 pub mod bay;
 mod check;
+mod conclusions;
 mod cost;
 mod error;
 mod excerpt;
@@ -32,17 +33,21 @@ mod names;
 mod opening_slice;
 mod report;
 mod resolution;
+mod rounded;
+mod sensitivity;
 mod shell_octant;
 mod sides;
 pub mod sweep;
 
 pub use check::{CheckReport, Warning, check, warnings};
+pub use conclusions::{Conclusion, Verdict, conclusions};
 pub use cost::Cost;
 pub use error::StudyError;
 pub use free_field::{FreeFieldCheck, FreeFieldReport, PointError};
 pub use joints::JointOverview;
 pub use names::registry;
 pub use opening_slice::OpeningSlice;
-pub use report::write_report;
+pub use report::{read_outcomes, write_report};
 pub use resolution::Resolution;
+pub use sensitivity::{Variation, VariedFigure, sensitivity};
 pub use shell_octant::ShellOctant;

@@ -7,9 +7,9 @@ use std::time::Duration;
 
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Error, RunHooks, Scene};
+use powerhouse::{BodyAtRest, Error, RunHooks, Scene};
 use powerhouse_study::sweep::{CaseOutcome, Silent, Sweep, SweepWatch};
-use powerhouse_study::{StudyError, registry, write_report};
+use powerhouse_study::{StudyError, read_outcomes, registry, sensitivity, write_report};
 
 const BAY: &str = "size = \"coarse\"\n[dimensions]\nbelow = 50\n";
 
@@ -54,9 +54,14 @@ kind = "ground"
 level = 24
 density = 2750
 lateral = 0.37
+[[bolt]]
+name = "pins"
+diameter = 0.025
+lines = [[[4, 3, 23], [4.2, 3, 14]], [[20, 3, 23], [19, 3, 15]]]
 [[stage]]
 name = "opening"
 excavate = ["void"]
+bolts = ["pins"]
 tied = ["seam"]
 tolerance = 1e-3
 support = [
@@ -80,6 +85,22 @@ every = 0.005
 name = "A"
 set = "point_A"
 quantities = ["displacement"]
+[[output.history]]
+name = "O1"
+set = "point_O1"
+quantities = ["acceleration"]
+[[output.section]]
+name = "waist"
+set = "structure"
+at = [12, 3, 8]
+normal = [0, 0, 1]
+along = [0, 1, 0]
+[[output.joint]]
+name = "seam-side"
+joint = "seam"
+low = [8, -1, 5]
+high = [10, 7, 13]
+quantities = ["state"]
 [[output.relative]]
 name = "A-O1"
 set = "point_A"
@@ -128,9 +149,17 @@ impl Folder {
         write_gmsh(path.join("mesh.msh"), &slice(1.0)).unwrap();
         Self(path)
     }
-    /// The scene of a bay.
+    /// The scene of a bay, without what looks at places of the slice.
     fn bay() -> String {
-        SCENE.replace(
+        let place = |text: &str| SCENE.find(text).unwrap();
+        let (bolt, stage) = (place("[[bolt]]"), place("[[stage]]"));
+        let (section, relative) = (place("[[output.section]]"), place("[[output.relative]]"));
+        let kept = [
+            &SCENE[..bolt],
+            &SCENE[stage..section].replace("bolts = [\"pins\"]\n", ""),
+            &SCENE[relative..],
+        ];
+        kept.concat().replace(
             "file = \"mesh.msh\"",
             "generator = \"bay\"\nfile = \"bay.toml\"",
         )
@@ -193,6 +222,8 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     let mended = folder.sweep().run(None, &mut count).unwrap();
     assert_eq!(count.ended, ["slanted"]);
     assert_eq!(mended[1].relative, first[1].relative);
+    // From the body that the first sweep left.
+    assert!(count.at_rest.is_empty(), "{:?}", count.at_rest);
 
     // An edited mesh is another job.
     write_gmsh(folder.0.join("mesh.msh"), &slice(1.1)).unwrap();
@@ -200,14 +231,122 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     let only = folder.sweep().only(&["steep".into()]).unwrap();
     only.run(None, &mut count).unwrap();
     assert_eq!(count.ended, ["steep"]);
+    assert_eq!(count.at_rest, ["steep"]);
+}
+
+/// Cases with keys of their own in the tables of a scene: they are the scene with these keys, come to rest
+/// and run by themselves; a table that the scene does not have, and a key or value that it cannot have, is
+/// shown where it stands when the sweep begins.
+#[test]
+fn a_case_may_change_keys_of_tables() {
+    let folder = Folder::new("changed");
+    let case = r#"
+[[case]]
+name = "other"
+varies = "many things"
+material = [{ name = "rock", young = 8e9 }]
+part = [{ set = "structure", damping = { kind = "rayleigh", ratio = 0.05, frequencies = [2, 20] } }]
+joint = [{ name = "seam", cohesion = 1e3, dynamic_friction = 0.2 }]
+bolt = [{ name = "pins", diameter = 0.05 }]
+stage = [{ name = "opening", tolerance = 2e-3 }]
+boundary = { a = 0.5 }
+time = { duration = 0.02, safety = 0.5 }
+"#;
+    let text = format!("{SCENE}{case}");
+    std::fs::write(folder.scene(), &text).unwrap();
+    let of = |name: &str| Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
+    let (own, scene) = (of("other"), of("steep"));
+    let young = |scene: &Scene| scene.parts()[0].material.medium().young;
+    assert_eq!((young(&own), young(&scene)), (8e9, 9e9));
+    assert_eq!((own.run_duration(), scene.run_duration()), (0.02, 0.05));
+    // All of it: the case moves as the scene with these keys written out, to the last bit.
+    let written_out = SCENE
+        .replace("young = 9e9", "young = 8e9")
+        .replace("cohesion = 1e6", "cohesion = 1e3")
+        .replace("dynamic_friction = 0.7", "dynamic_friction = 0.2")
+        .replace("diameter = 0.025", "diameter = 0.05")
+        .replace("tolerance = 1e-3", "tolerance = 2e-3")
+        .replace("duration = 0.05", "duration = 0.02\nsafety = 0.5")
+        .replace(
+            "kind = \"viscous-spring\"",
+            "kind = \"viscous-spring\"\na = 0.5",
+        )
+        .replace(
+            "set = \"structure\"\nmaterial = \"rock\"",
+            "set = \"structure\"\nmaterial = \"rock\"\n\
+             damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [2, 20] }",
+        );
+    let run = |scene: Scene| scene.prepare().unwrap().run(RunHooks::default()).unwrap();
+    let changed = run(own);
+    std::fs::write(folder.scene(), written_out).unwrap();
+    let twin = run(of("steep"));
+    assert_eq!(changed.histories, twin.histories);
+    assert_eq!(changed.bolts, twin.bolts);
+    assert_ne!(changed.histories, run(scene.duration(0.02)).histories);
+
+    let refused = |change: &dyn Fn(&str) -> String| {
+        std::fs::write(folder.scene(), change(&text)).unwrap();
+        let refused = Sweep::of_file(folder.scene(), None).err().unwrap();
+        refused.to_string()
+    };
+    let lost =
+        refused(&|text| text.replace("name = \"seam\", cohesion", "name = \"gap\", cohesion"));
+    assert!(lost.contains("no joint 'gap'"), "{lost}");
+    let key = refused(&|text| text.replace("young = 8e9", "yong = 8e9"));
+    assert!(key.contains("unknown key 'yong'"), "{key}");
+    let value = refused(&|text| text.replace("young = 8e9", "young = -8e9"));
+    let line = text
+        .lines()
+        .position(|line| line.contains("young = 8e9"))
+        .unwrap()
+        + 1;
+    assert!(value.contains(&format!("scene.toml:{line}:")), "{value}");
+    let nameless = refused(&|text| text.replace("name = \"pins\", diameter", "diameter"));
+    assert!(nameless.contains("'name'"), "{nameless}");
+}
+
+/// A body at rest comes back from its file to the last bit; a file that is cut short, damaged, or none at
+/// all is refused by name.
+#[test]
+fn a_body_comes_back_from_its_file() {
+    let folder = Folder::new("body");
+    let scene = Scene::case_from_file_with(folder.scene(), "steep", &registry()).unwrap();
+    let body = scene.prepare().unwrap().bring_to_rest(None, None);
+    let body = body.unwrap().unwrap();
+    let file = folder.0.join("rest.body");
+    body.write(&file).unwrap();
+    let back = BodyAtRest::read(&file).unwrap();
+    assert_eq!(back, body);
+    assert!(!body.state().joints.is_empty() && !body.state().history.is_empty());
+    let bytes = std::fs::read(&file).unwrap();
+    let mut damaged = bytes.clone();
+    damaged[bytes.len() / 2] ^= 1;
+    for bad in [&bytes[..bytes.len() - 9], &damaged, b"powerhouse"] {
+        std::fs::write(&file, bad).unwrap();
+        let refused = BodyAtRest::read(&file);
+        assert!(
+            matches!(refused, Err(Error::NotABody { .. })),
+            "{refused:?}"
+        );
+    }
+    let none = BodyAtRest::read(&folder.0.join("none"));
+    assert!(matches!(none, Err(Error::Read { .. })));
 }
 
 /// A report is one page that needs nothing beside it: it names every case and carries its plots and the
-/// scene; that of a single run has its peaks; a folder without results has none.
+/// scene, forces of sections and bolts, spectra of floors, what damaged the structure, and what the cases
+/// say to the paper; that of a single run has its peaks; a folder without results has none.
 #[test]
 fn a_report_needs_nothing_beside_it() {
     let folder = Folder::new("report");
-    let sweep = folder.sweep().lasting(0.01).unwrap();
+    let concrete = "[[material]]\nname = \"concrete\"\nlaw = \"plastic-damage\"\n\
+                    preset = \"paper-c25\"\n[[part]]\nset = \"structure\"\nmaterial = \"concrete\"";
+    let of_rock = "[[part]]\nset = \"structure\"\nmaterial = \"rock\"";
+    let stronger = "[[case]]\nname = \"stronger\"\nvaries = \"pulse\"\n\
+                    boundary = { a = 0.5 }\n";
+    let text = SCENE.replace(of_rock, concrete) + stronger;
+    std::fs::write(folder.scene(), text).unwrap();
+    let sweep = folder.sweep().lasting(0.03).unwrap();
     sweep.run(None, &mut Silent).unwrap();
     let page = |path: &Path| std::fs::read_to_string(write_report(path).unwrap()).unwrap();
     let sweep = page(&folder.0.join("out"));
@@ -218,9 +357,38 @@ fn a_report_needs_nothing_beside_it() {
         "A-O1",
         "Before the earthquake",
         "[[case]]",
+        "Section forces",
+        "<td class=\"text\">waist</td>",
+        "Floor response spectra",
+        "<td class=\"text\">O1 z</td>",
+        "pins",
+        "seam-side",
+        "steep: structure damage type",
+        "steep: joint seam over the run",
+        "P at 30 degrees: the joint fails mainly at the arches",
+        "open, without SV 0, SV 15, SV 25, SV 30",
+        "What single choices do",
+        "checksum of all",
     ] {
         assert!(sweep.contains(wanted), "{wanted}");
     }
+    let spectra = read_table(&folder.0.join("out/report/floor-spectra-steep.csv")).unwrap();
+    assert!(spectra.iter().any(|column| column.name == "O1 z 5 %"));
+    let outcomes = read_outcomes(folder.0.join("out")).unwrap();
+    assert_eq!(outcomes.len(), 4);
+    let steep = &outcomes[0];
+    assert_eq!(steep.input.wave(), Some(("p", 0.0)));
+    assert_eq!((steep.bolts.len(), steep.bolts_at_rest.len()), (1, 1));
+    assert!(steep.bolts[0].value >= steep.bolts_at_rest[0].value);
+    let structure = steep.parts.iter().find(|part| part.name == "structure");
+    assert!((structure.unwrap().volume - 216.0).abs() < 1e-9);
+    assert_eq!(
+        (steep.joint_parts.len(), outcomes[2].joint_parts.len()),
+        (1, 0)
+    );
+    assert!(steep.joint_and_lining.is_some() && outcomes[2].joint_and_lining.is_none());
+    let varied = sensitivity(&outcomes);
+    assert_eq!((&*varied[0].case, &*varied[0].base), ("stronger", "steep"));
     let run = page(&folder.0.join("out/steep"));
     assert!(run.contains("A-O1.ux"));
     for text in [&sweep, &run] {

@@ -30,7 +30,7 @@ fn least_scaled_jacobian(corners: &[Vec3; 8]) -> f64 {
 }
 
 /// The volume (m3) of hexahedra of a mesh, in eight points of Gauss.
-pub(super) fn volume(mesh: &Mesh, elements: impl IntoIterator<Item = u32>) -> f64 {
+pub(crate) fn volume(mesh: &Mesh, elements: impl IntoIterator<Item = u32>) -> f64 {
     let place = 1.0 / 3.0_f64.sqrt();
     let mut gradients = [Vec3::zeros(); 8];
     let mut sum = 0.0;

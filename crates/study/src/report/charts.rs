@@ -2,20 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use powerhouse::io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot};
+use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 
-use super::CaseFiles;
+use super::{CaseFiles, column, kinds};
 use crate::StudyError;
 use crate::sweep::Peak;
 
 /// The history that is drawn for all cases.
 const POINT: &str = "A";
-
-/// The kind of wave and the angle (degrees) that the name of a case says, as in `sv-30`.
-pub(super) fn angle(case: &str) -> Option<(&str, f64)> {
-    let (kind, angle) = case.split_once('-')?;
-    Some((kind, angle.parse().ok()?))
-}
 
 /// Peaks against the angle of incidence, for each kind of wave with several angles: a plot for each.
 pub(super) fn by_angle(
@@ -34,12 +28,9 @@ pub(super) fn by_angle(
         }
     };
     let mut plots = Vec::new();
-    for kind in ["sv", "p", "sh"] {
-        let mut known: Vec<(f64, Vec<Peak>)> = (cases.iter())
-            .filter_map(|case| {
-                let (found, angle) = angle(&case.outcome.name)?;
-                (found == kind).then(|| (angle, of(case)))
-            })
+    for (kind, of_kind) in kinds(cases) {
+        let mut known: Vec<(f64, Vec<Peak>)> = (of_kind.iter())
+            .filter_map(|case| Some((case.outcome.input.wave()?.1, of(case))))
             .collect();
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         if known.len() < 2 || known[0].1.is_empty() {
@@ -95,12 +86,9 @@ pub(super) fn histories(
         other => (format!("{POINT}{other}"), "mm", 1e3, "displacement"),
     };
     let mut plots = Vec::new();
-    for kind in ["sv", "p", "sh"] {
-        let of_kind = cases.iter().filter(|case| {
-            let name = &case.outcome.name;
-            name.split_once('-').is_some_and(|(found, _)| found == kind)
-        });
+    for (kind, of_kind) in kinds(cases) {
         let series: Vec<(&str, &[f64], Vec<f64>)> = of_kind
+            .into_iter()
             .filter_map(|case| {
                 let time = case.histories.first()?;
                 let column = column(&case.histories, &name)?;
@@ -129,8 +117,4 @@ pub(super) fn histories(
         plots.push((file, caption));
     }
     Ok(plots)
-}
-
-fn column<'t>(table: &'t [TableColumn], name: &str) -> Option<&'t TableColumn> {
-    table.iter().find(|column| column.name == name)
 }

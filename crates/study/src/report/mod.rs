@@ -8,19 +8,22 @@
 //! mail and the colours of a plot follow light and dark.
 
 mod charts;
+mod forces;
 mod fourier;
 mod page;
 mod paper;
 mod single;
+mod spectra;
+mod sweep;
 mod tables;
 
 use std::path::{Path, PathBuf};
 
 use powerhouse::io::{TableColumn, read_table};
+use powerhouse::wavefield::TimeHistory;
 
 use crate::StudyError;
-use crate::sweep::{CASES, CaseOutcome, OUTCOME, RECORD, write_text};
-use page::Page;
+use crate::sweep::{CASES, CaseOutcome, MARK, OUTCOME, write_text};
 
 /// The name of the page in its folder.
 const FILE: &str = "report.html";
@@ -33,6 +36,16 @@ pub(super) struct CaseFiles {
     pub(super) outcome: CaseOutcome,
     pub(super) histories: Vec<TableColumn>,
     pub(super) summary: serde_json::Value,
+    /// What it was computed from.
+    pub(super) mark: serde_json::Value,
+}
+
+impl CaseFiles {
+    /// Whether it varies nothing but its wave.
+    fn is_plain(&self) -> bool {
+        let input = &self.outcome.input;
+        input.varies.is_none() && !input.continuous
+    }
 }
 
 /// Writes `report.html` of a folder of results: of a sweep or of a single run. Returns the file.
@@ -42,7 +55,7 @@ pub(super) struct CaseFiles {
 pub fn write_report(folder: impl AsRef<Path>) -> Result<PathBuf, StudyError> {
     let folder = folder.as_ref();
     let page = match read_cases(folder)? {
-        Some(cases) if !cases.is_empty() => of_sweep(folder, &cases)?,
+        Some(cases) if !cases.is_empty() => sweep::page(folder, &cases)?,
         _ => single::page(folder)?,
     };
     let file = folder.join(FILE);
@@ -50,8 +63,21 @@ pub fn write_report(folder: impl AsRef<Path>) -> Result<PathBuf, StudyError> {
     Ok(file)
 }
 
-/// The cases of a sweep that are finished, in order; none if it is no sweep.
-fn read_cases(folder: &Path) -> Result<Option<Vec<CaseFiles>>, StudyError> {
+/// The outcomes of the cases of a sweep that are finished, in the order of the scene; none if the folder
+/// holds no sweep.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read_outcomes(folder: impl AsRef<Path>) -> Result<Vec<CaseOutcome>, StudyError> {
+    let cases = case_folders(folder.as_ref())?.unwrap_or_default();
+    let outcomes = cases
+        .iter()
+        .map(|case| CaseOutcome::read(&case.join(OUTCOME)));
+    outcomes.collect()
+}
+
+/// The folders of the cases of a sweep that are finished, in order; none if it is no sweep.
+fn case_folders(folder: &Path) -> Result<Option<Vec<PathBuf>>, StudyError> {
     let Ok(text) = std::fs::read(folder.join(CASES)) else {
         return Ok(None);
     };
@@ -60,126 +86,60 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<CaseFiles>>, StudyError> {
             file: folder.join(CASES),
             source,
         })?;
-    let mut cases = Vec::new();
-    for name in names {
-        let folder = folder.join(name);
-        let file = folder.join(OUTCOME);
-        if !file.exists() {
-            continue;
-        }
+    let folders = names.into_iter().map(|name| folder.join(name));
+    let finished = folders.filter(|folder| folder.join(OUTCOME).exists());
+    Ok(Some(finished.collect()))
+}
+
+/// What is on disk of the cases of a sweep that are finished; none if it is no sweep.
+fn read_cases(folder: &Path) -> Result<Option<Vec<CaseFiles>>, StudyError> {
+    let Some(folders) = case_folders(folder)? else {
+        return Ok(None);
+    };
+    let cases = folders.into_iter().map(|folder| {
         let histories = folder.join("histories.csv");
-        cases.push(CaseFiles {
-            outcome: CaseOutcome::read(&file)?,
+        Ok(CaseFiles {
+            outcome: CaseOutcome::read(&folder.join(OUTCOME))?,
             histories: match histories.exists() {
                 true => read_table(&histories).map_err(powerhouse::Error::from)?,
                 false => Vec::new(),
             },
-            summary: read_summary(&folder),
+            summary: read_json(&folder.join("summary.json")),
+            mark: read_json(&folder.join(MARK)),
             folder,
-        });
-    }
-    Ok(Some(cases))
+        })
+    });
+    cases.collect::<Result<_, _>>().map(Some)
 }
 
-/// The summary of a run; null if there is none that can be read.
-fn read_summary(folder: &Path) -> serde_json::Value {
-    let text = std::fs::read(folder.join("summary.json")).unwrap_or_default();
+/// What a file says; null if there is none that can be read.
+fn read_json(file: &Path) -> serde_json::Value {
+    let text = std::fs::read(file).unwrap_or_default();
     serde_json::from_slice(&text).unwrap_or_default()
 }
 
-fn of_sweep(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyError> {
-    let title = cases[0].summary["title"].as_str().unwrap_or("sweep");
-    let title = title.rsplit_once(": ").map_or(title, |(scene, _)| scene);
-    let mut page = Page::new(title);
-    let plots = folder.join(PLOTS);
-    page.section("Cases");
-    page.paragraph(&tables::repetition(&cases[0].summary));
-    page.table(&tables::cases(cases));
-    if let Some(stages) = tables::stages(cases) {
-        page.section("Before the earthquake");
-        page.paragraph("What the stages came to, once for the cases that share them.");
-        page.table(&stages);
-    }
-    page.section("Input");
-    for record in records(folder) {
-        let [time, spectrum] = fourier::plots(&record, &plots)?;
-        page.figure(&time, "Acceleration of the record as it enters the waves")?;
-        page.figure(&spectrum, "Its Fourier amplitude")?;
-    }
-    page.section("Principal stress");
-    page.paragraph("Greatest principal stress over the motion behind each monitoring point (MPa).");
-    page.table(&tables::peaks(cases, |outcome| &outcome.stresses, 1e-6));
-    for (file, caption) in charts::by_angle(cases, &plots, "stress")? {
-        page.figure(&file, &caption)?;
-    }
-    for (file, caption) in charts::histories(cases, &plots, ".s1")? {
-        page.figure(&file, &caption)?;
-    }
-    page.section("Displacement");
-    page.paragraph(
-        "Greatest displacement of the points relative to the middles of the floors (mm); its \
-         direction is any.",
-    );
-    page.table(&tables::peaks(cases, |outcome| &outcome.relative, 1e3));
-    for (file, caption) in charts::by_angle(cases, &plots, "relative")? {
-        page.figure(&file, &caption)?;
-    }
-    page.paragraph("Greatest displacement itself (mm).");
-    page.table(&tables::peaks(cases, |outcome| &outcome.displacements, 1e3));
-    for (file, caption) in charts::histories(cases, &plots, ".ux")? {
-        page.figure(&file, &caption)?;
-    }
-    page.section("Damage");
-    page.table(&tables::damage(cases));
-    page.pictures(cases, |_| {
-        ["structure-damage.png", "structure-stress.png"]
-            .map(str::to_owned)
-            .to_vec()
-    })?;
-    page.section("Joint");
-    page.table(&tables::joints(cases));
-    page.pictures(cases, |outcome| {
-        let joints = outcome.joints.iter();
-        let pictures = |what: &'static str| joints.clone().map(move |joint| (joint, what));
-        let pictures = pictures("state").chain(pictures("bond"));
-        pictures
-            .map(|(joint, what)| format!("joint-{}-{what}.png", joint.name))
-            .collect()
-    })?;
-    page.section("Bolts");
-    page.paragraph("Greatest axial force at the end (kN).");
-    page.table(&tables::peaks(cases, |outcome| &outcome.bolts, 1e-3));
-    page.section("Against the paper");
-    page.paragraph(paper::ABOUT);
-    page.table(&paper::conclusions(cases));
-    page.section("Energy");
-    page.paragraph(
-        "The ledger of each case: what came in, what is held, what was dissipated and where. The \
-         residual is what does not add up.",
-    );
-    for case in cases {
-        let file = case.folder.join("plots/energies.svg");
-        if file.exists() {
-            page.figure(&file, &case.outcome.name)?;
-        }
-    }
-    page.section("The scene");
-    page.paragraph("As it was run; mesh and records are the files that it names.");
-    page.file(&cases[0].folder.join("scene.toml"))?;
-    Ok(page)
+/// The plain cases of each kind of wave, of which there are some.
+fn kinds(cases: &[CaseFiles]) -> Vec<(&'static str, Vec<&CaseFiles>)> {
+    let kinds = ["sv", "p", "sh"].map(|kind| {
+        let of_kind = cases.iter().filter(|case| {
+            let wave = case.outcome.input.wave();
+            case.is_plain() && wave.is_some_and(|(own, _)| own == kind)
+        });
+        (kind, of_kind.collect::<Vec<_>>())
+    });
+    let some = kinds.into_iter().filter(|(_, cases)| !cases.is_empty());
+    some.collect()
 }
 
-/// The records of a sweep: time and acceleration.
-fn records(folder: &Path) -> Vec<Vec<TableColumn>> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut files: Vec<PathBuf> = entries
-        .map(|entry| entry.path())
-        .filter(|path| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            name.starts_with(RECORD) && name.ends_with(".csv")
-        })
-        .collect();
-    files.sort();
-    let tables = files.iter().filter_map(|file| read_table(file).ok());
-    tables.filter(|table| table.len() == 2).collect()
+/// The column of a name.
+fn column<'t>(table: &'t [TableColumn], name: &str) -> Option<&'t TableColumn> {
+    table.iter().find(|column| column.name == name)
+}
+
+/// Samples of an acceleration (m/s2) at even times (s) as a record; none if they are no record.
+fn history_of(times: &[f64], acceleration: &[f64]) -> Option<TimeHistory> {
+    let [first, second, ..] = *times else {
+        return None;
+    };
+    TimeHistory::new(second - first, acceleration.to_vec()).ok()
 }

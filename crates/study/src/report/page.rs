@@ -1,7 +1,7 @@
 //! The HTML of a report.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::CaseFiles;
 use crate::StudyError;
@@ -28,18 +28,19 @@ body{margin:0 auto;max-width:72rem;padding:2rem 1.5rem 4rem;background:var(--pap
 font:16px/1.5 system-ui,sans-serif}
 h1{font-size:1.7rem;line-height:1.2;margin:0 0 .5rem}
 h2{font-size:1.25rem;margin:2.5rem 0 .6rem;border-bottom:1px solid var(--line);padding-bottom:.2rem}
-nav a{color:var(--link);margin-right:1rem;white-space:nowrap}
+nav{display:flex;flex-wrap:wrap}nav a{color:var(--link);margin-right:1rem}
 .wide{overflow-x:auto}
 table{border-collapse:collapse;font-size:.85rem;margin:.6rem 0;font-variant-numeric:tabular-nums}
-th,td{border-bottom:1px solid var(--line);padding:.25rem .6rem;text-align:right;vertical-align:top}
+th,td{border-bottom:1px solid var(--line);padding:.25rem .6rem;text-align:right;vertical-align:top}td{white-space:nowrap}
 th{background:var(--soft);text-align:right}
 td:first-child,th:first-child{text-align:left;white-space:nowrap}
-td.text{text-align:left}td.wide-text{min-width:14rem}
+td.text{text-align:left;white-space:normal}td.wide-text{min-width:14rem}
 figure{margin:1rem 0;break-inside:avoid}
 figure img{max-width:100%;height:auto}
 figcaption{font-size:.85rem;opacity:.8}
 .pair{display:grid;grid-template-columns:repeat(auto-fill,minmax(20rem,1fr));gap:.5rem 1rem}
 .pair img{background:#fff}
+summary{cursor:pointer;padding:.2rem 0}
 pre{font-size:.78rem;background:var(--soft);padding:1rem;overflow-x:auto}
 @media print{body{max-width:none;padding:0;font-size:11pt}nav{display:none}h2{break-after:avoid}pre{white-space:pre-wrap}}
 ";
@@ -80,6 +81,13 @@ impl Page {
         self.body += "</tbody></table></div>\n";
     }
 
+    /// A table that is folded away under its name until it is wanted.
+    pub(super) fn folded(&mut self, name: &str, table: &Table) {
+        let _ = writeln!(self.body, "<details><summary>{}</summary>", escaped(name));
+        self.table(table);
+        self.body += "</details>\n";
+    }
+
     /// A plot or a picture, as data.
     pub(super) fn figure(&mut self, file: &Path, caption: &str) -> Result<(), StudyError> {
         let image = image(file, caption)?;
@@ -88,6 +96,14 @@ impl Page {
             "<figure>{image}<figcaption>{}</figcaption></figure>",
             escaped(caption)
         );
+        Ok(())
+    }
+
+    /// Plots with their captions.
+    pub(super) fn figures(&mut self, plots: Vec<(PathBuf, String)>) -> Result<(), StudyError> {
+        for (file, caption) in plots {
+            self.figure(&file, &caption)?;
+        }
         Ok(())
     }
 

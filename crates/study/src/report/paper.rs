@@ -1,140 +1,165 @@
-//! What Wang, Chen & Xiao (2019) conclude, beside what the cases of a sweep show.
+//! What Wang, Chen & Xiao (2019) find, beside what the cases of a sweep show.
 
-use super::CaseFiles;
-use super::charts::angle;
 use super::page::Table;
-use super::tables::number;
-use crate::sweep::CaseOutcome;
+use super::{CaseFiles, column};
+use crate::rounded::rounded;
+use crate::sweep::{CaseOutcome, Peak};
+use crate::{Conclusion, Verdict};
 
-/// What stands above the table.
-pub(super) const ABOUT: &str = "The conclusions of Wang, Chen & Xiao (2019), section 5, and what the \
-     cases here show. The paper's mesh, its sections below the sizes of the caverns, its softening and \
-     its dynamic friction are not published; its record is another processing of the same event. A \
-     conclusion counts as shown only if the cases that it needs are finished.";
+/// What stands above the conclusions.
+pub(super) const CONCLUSIONS: &str = "The conclusions of Wang, Chen & Xiao (2019), section 5, each tested by \
+     figures of the cases here. The abstract says the contrary of the fourth conclusion; both are \
+     tested. A claim is open as long as a case that it takes is not finished.";
 
-/// Greatest of one kind of peaks over the monitoring points.
-type Measure = fn(&CaseOutcome) -> f64;
+/// What stands above the figures.
+pub(super) const FIGURES: &str = "Figures that the paper gives in numbers. Its mesh, the sections below the \
+     sizes of the caverns, the softening of its concrete and its dynamic friction are not published.";
 
-fn stress(outcome: &CaseOutcome) -> f64 {
-    outcome
-        .stresses
-        .iter()
-        .fold(0.0, |most, peak| most.max(peak.value))
+const INPUT: &str = "the record is another processing of the same event, and the paper does not say whether \
+     1.7 m/s2 is the incident wave or the outcrop";
+const CONCRETE: &str = "softening and reinforcement of the concrete are not given; here stress is the mean of \
+     an element";
+const REST: &str = "stages of excavation and the share that the lining bears are assumed";
+
+/// A figure of the paper and how it is found here.
+struct Figure {
+    what: &'static str,
+    paper: &'static str,
+    why: &'static str,
+    here: fn(&[CaseFiles]) -> Option<f64>,
 }
 
-fn relative(outcome: &CaseOutcome) -> f64 {
-    outcome
-        .relative
+const COMPARED: [Figure; 8] = [
+    Figure {
+        what: "greatest displacement of A, SV 30 (mm)",
+        paper: "74",
+        why: INPUT,
+        here: |cases| displacement(cases, ("sv", 30.0)),
+    },
+    Figure {
+        what: "greatest displacement of A, P 90 (mm)",
+        paper: "84",
+        why: INPUT,
+        here: |cases| displacement(cases, ("p", 90.0)),
+    },
+    Figure {
+        what: "principal stress at A at rest (MPa)",
+        paper: "-0.78",
+        why: REST,
+        here: |cases| stress_at_rest(of(cases, ("sv", 30.0))?),
+    },
+    Figure {
+        what: "greatest principal stress at A, SV 0 to 30 (MPa)",
+        paper: "1.76",
+        why: CONCRETE,
+        here: |cases| greatest_stress(cases, "sv", 30.0),
+    },
+    Figure {
+        what: "greatest principal stress at A, P (MPa)",
+        paper: "1.67",
+        why: CONCRETE,
+        here: |cases| greatest_stress(cases, "p", 90.0),
+    },
+    Figure {
+        what: "greatest damage, SV 0",
+        paper: "below 0.5",
+        why: CONCRETE,
+        here: |cases| damage(cases, ("sv", 0.0)),
+    },
+    Figure {
+        what: "greatest damage, SV 25",
+        paper: "about 0.6",
+        why: CONCRETE,
+        here: |cases| damage(cases, ("sv", 25.0)),
+    },
+    Figure {
+        what: "greatest damage, SV 30",
+        paper: "about 0.6 and more",
+        why: CONCRETE,
+        here: |cases| damage(cases, ("sv", 30.0)),
+    },
+];
+
+/// The plain case of a wave.
+fn of<'c>(cases: &'c [CaseFiles], wave: (&str, f64)) -> Option<&'c CaseFiles> {
+    cases
         .iter()
-        .fold(0.0, |most, peak| most.max(peak.value))
+        .find(|case| case.is_plain() && case.outcome.input.wave() == Some(wave))
 }
 
-fn damaged(outcome: &CaseOutcome) -> f64 {
-    let of = outcome.damage.iter().find(|damage| damage.name == "damage");
-    of.map_or(0.0, |damage| damage.damaged as f64)
+/// The peak of the point A.
+fn at_crown(peaks: &[Peak]) -> Option<f64> {
+    let is_crown = |peak: &&Peak| peak.name == "A" || peak.name.starts_with("A-concrete");
+    peaks.iter().find(is_crown).map(|peak| peak.value)
+}
+
+fn displacement(cases: &[CaseFiles], wave: (&str, f64)) -> Option<f64> {
+    Some(1e3 * at_crown(&of(cases, wave)?.outcome.displacements)?)
+}
+
+fn stress_at_rest(case: &CaseFiles) -> Option<f64> {
+    let stress = column(&case.histories, "A-concrete.s1")?;
+    Some(1e-6 * stress.values.first()?)
+}
+
+/// Over the cases of a kind of wave up to an angle.
+fn greatest_stress(cases: &[CaseFiles], kind: &str, most: f64) -> Option<f64> {
+    let is_one = |case: &&CaseFiles| {
+        let wave = case.outcome.input.wave();
+        case.is_plain() && wave.is_some_and(|(own, angle)| own == kind && angle <= most)
+    };
+    let peaks = cases.iter().filter(is_one);
+    let peaks = peaks.filter_map(|case| at_crown(&case.outcome.stresses));
+    peaks.reduce(f64::max).map(|stress| 1e-6 * stress)
+}
+
+fn damage(cases: &[CaseFiles], wave: (&str, f64)) -> Option<f64> {
+    let outcome: &CaseOutcome = &of(cases, wave)?.outcome;
+    let found = outcome.damage.iter().find(|damage| damage.name == "damage");
+    Some(found?.greatest)
+}
+
+/// The figures of the paper beside those here; nothing if there is none here.
+pub(super) fn figures(cases: &[CaseFiles]) -> Option<Table> {
+    let found: Vec<Option<f64>> = COMPARED.iter().map(|figure| (figure.here)(cases)).collect();
+    let rows = COMPARED.iter().zip(&found).map(|(figure, here)| {
+        vec![
+            figure.what.into(),
+            figure.paper.into(),
+            here.map_or("case missing".into(), rounded),
+            figure.why.into(),
+        ]
+    });
+    found.iter().any(Option::is_some).then(|| Table {
+        head: ["figure", "paper", "here", "why different"]
+            .map(str::to_owned)
+            .to_vec(),
+        rows: rows.collect(),
+    })
 }
 
 /// The table of conclusions.
-pub(super) fn conclusions(cases: &[CaseFiles]) -> Table {
-    let mut rows = Vec::new();
-    let measures: [(&str, &str, f64, Measure); 3] = [
-        ("1", "stress (MPa)", 1e-6, stress),
-        ("2", "relative displacement (mm)", 1e3, relative),
-        ("3", "damaged elements", 1.0, damaged),
-    ];
-    for (place, what, scale, measure) in measures {
-        let sv = series(cases, "sv", 30.0, measure);
-        rows.push(vec![
-            place.into(),
-            format!("SV: {what} grows with the angle up to 30 degrees"),
-            told(&sv, scale),
-            verdict(&sv, 4, |values| {
-                values.windows(2).all(|pair| pair[1] >= pair[0])
-            }),
-        ]);
-        let p = series(cases, "p", 90.0, measure);
-        rows.push(vec![
-            place.into(),
-            format!("P: {what} is greatest at 30 degrees"),
-            told(&p, scale),
-            verdict(&p, 4, |values| {
-                let most = values.iter().copied().fold(f64::MIN, f64::max);
-                values[1] >= most
-            }),
-        ]);
-    }
-    for kind in ["sv-30", "p-30"] {
-        let of = |name: &str| cases.iter().find(|case| case.outcome.name == name);
-        let pair = of(kind).zip(of(&format!("{kind}-continuous")));
-        let told = pair.map(|(with, without)| [&with.outcome, &without.outcome].map(damaged));
-        rows.push(vec![
-            "4".into(),
-            format!("{kind}: more damage with interaction of rock and structure than without"),
-            told.map_or("cases missing".into(), |[with, without]| {
-                format!("{with} with, {without} without")
-            }),
-            told.map_or(String::new(), |[with, without]| shown(with >= without)),
-        ]);
-    }
-    let joint = cases.iter().filter(|case| !case.outcome.joints.is_empty());
-    let most = joint.flat_map(|case| case.outcome.joints.iter().map(|joint| joint.broken));
-    let most = most.fold(f64::NAN, f64::max);
-    rows.push(vec![
-        "5".into(),
-        "the joint slips and opens where the lining is damaged, mostly at arches and upper walls"
-            .into(),
-        if most.is_nan() {
-            "cases missing".into()
-        } else {
-            format!(
-                "bond broken on at most {} % of the joint",
-                number(100.0 * most)
-            )
-        },
-        "see the pictures of joint and damage".into(),
-    ]);
+pub(super) fn conclusions(found: &[Conclusion]) -> Table {
+    let rows = found.iter().map(|claim| {
+        let number = match claim.number {
+            0 => "abstract".into(),
+            number => number.to_string(),
+        };
+        let figures = match &claim.verdict {
+            Verdict::Missing(_) => String::new(),
+            _ => claim.figures.clone(),
+        };
+        vec![
+            number,
+            claim.claim.into(),
+            claim.verdict.to_string(),
+            figures,
+        ]
+    });
     Table {
-        head: ["conclusion", "the paper", "here", "shown"]
+        head: ["conclusion", "the paper", "here", "figures"]
             .map(str::to_owned)
             .to_vec(),
-        rows,
-    }
-}
-
-/// Angle and measure of the cases of a kind of wave up to an angle, by angle.
-fn series(cases: &[CaseFiles], kind: &str, most: f64, of: Measure) -> Vec<(f64, f64)> {
-    let mut found: Vec<(f64, f64)> = (cases.iter())
-        .filter_map(|case| {
-            let (other, angle) = angle(&case.outcome.name)?;
-            (other == kind && angle <= most).then(|| (angle, of(&case.outcome)))
-        })
-        .collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found
-}
-
-fn told(series: &[(f64, f64)], scale: f64) -> String {
-    let told = series
-        .iter()
-        .map(|(angle, value)| format!("{angle}: {}", number(scale * value)));
-    let told: Vec<String> = told.collect();
-    match told.is_empty() {
-        true => "cases missing".into(),
-        false => told.join(", "),
-    }
-}
-
-fn verdict(series: &[(f64, f64)], needed: usize, holds: impl Fn(&[f64]) -> bool) -> String {
-    if series.len() < needed {
-        return "cases missing".into();
-    }
-    let values: Vec<f64> = series.iter().map(|(_, value)| *value).collect();
-    shown(holds(&values))
-}
-
-fn shown(holds: bool) -> String {
-    match holds {
-        true => "confirmed".into(),
-        false => "not confirmed".into(),
+        rows: rows.collect(),
     }
 }

@@ -3,20 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use super::page::{Page, Table};
-use super::{read_summary, tables};
+use super::{read_json, tables};
 use crate::StudyError;
+use crate::rounded::rounded;
 
 /// The page of a folder of results.
 pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
-    let summary = read_summary(folder);
+    let summary = read_json(&folder.join("summary.json"));
     let Some(title) = summary["title"].as_str() else {
         let folder = folder.into();
         return Err(StudyError::NoResults { folder });
     };
     let mut page = Page::new(title);
     page.section("Run");
-    page.paragraph(&tables::repetition(&summary));
-    let real = |key: &str| tables::number(summary[key].as_f64().unwrap_or(0.0));
+    page.paragraph(&tables::repetition(&summary, &serde_json::Value::Null));
+    let real = |key: &str| rounded(summary[key].as_f64().unwrap_or(0.0));
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     page.table(&Table {
         head: vec!["".into(), "".into()],
@@ -31,7 +32,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     let peaks = summary["peaks"].as_array();
     let rows = peaks.into_iter().flatten().map(|peak| {
         let text = |key: &str| peak[key].as_str().unwrap_or("").to_owned();
-        let real = |key: &str| tables::number(peak[key].as_f64().unwrap_or(0.0));
+        let real = |key: &str| rounded(peak[key].as_f64().unwrap_or(0.0));
         vec![text("name"), real("value"), text("unit"), real("time")]
     });
     page.table(&Table {

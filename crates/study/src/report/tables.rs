@@ -4,31 +4,23 @@ use serde_json::Value;
 
 use super::CaseFiles;
 use super::page::Table;
-use crate::sweep::{CaseOutcome, Peak};
+use crate::rounded::rounded;
+use crate::sensitivity::Variation;
+use crate::sweep::{CaseOutcome, JointCase, Peak};
 
 fn head(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-/// A number with three digits that count.
-pub(super) fn number(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".into(),
-        size if !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),
-        size if size >= 100.0 => format!("{value:.0}"),
-        size if size >= 10.0 => format!("{value:.1}"),
-        size if size >= 1.0 => format!("{value:.2}"),
-        _ => format!("{value:.3}"),
-    }
-}
-
 /// What is needed to repeat a run.
-pub(super) fn repetition(summary: &Value) -> String {
+pub(super) fn repetition(summary: &Value, mark: &Value) -> String {
     let text = |key: &str| summary[key].as_str().unwrap_or("?").to_owned();
     let count = |key: &str| summary[key].as_u64().unwrap_or(0);
+    let inputs = mark["inputs"].as_str();
+    let inputs = inputs.map_or(String::new(), |sum| format!(" (checksum of all: {sum})"));
     format!(
         "Computed by {} on a mesh of {} elements and {} nodes. The scene as it was run stands at the \
-         end; with it and the files that it names the results come again to the last bit.",
+         end; with it and the files that it names{inputs} the results come again to the last bit.",
         text("software"),
         count("elements"),
         count("nodes"),
@@ -46,12 +38,12 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
         };
         vec![
             outcome.name.clone(),
-            number(outcome.end),
+            rounded(outcome.end),
             outcome.steps.to_string(),
-            number(1e3 * outcome.step),
+            rounded(1e3 * outcome.step),
             limited,
-            number(outcome.wall_time),
-            number(outcome.energy_residual),
+            rounded(outcome.wall_time),
+            rounded(outcome.energy_residual),
         ]
     });
     Table {
@@ -76,7 +68,7 @@ pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
     })?;
     let count = |stage: &Value, key: &str| stage[key].as_u64().unwrap_or(0).to_string();
     let rows = stages.iter().map(|stage| {
-        let real = |key: &str| number(stage[key].as_f64().unwrap_or(0.0));
+        let real = |key: &str| rounded(stage[key].as_f64().unwrap_or(0.0));
         vec![
             stage["name"].as_str().unwrap_or("").into(),
             count(stage, "excavated"),
@@ -84,7 +76,7 @@ pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
             count(stage, "increments"),
             count(stage, "corrections"),
             real("residual"),
-            number(1e3 * stage["largest_displacement"].as_f64().unwrap_or(0.0)),
+            rounded(1e3 * stage["largest_displacement"].as_f64().unwrap_or(0.0)),
         ]
     });
     Some(Table {
@@ -116,7 +108,7 @@ pub(super) fn peaks(
     let rows = cases.iter().map(|case| {
         let value = |name: &String| {
             let peak = of(&case.outcome).iter().find(|peak| peak.name == *name);
-            peak.map_or(String::new(), |peak| number(scale * peak.value))
+            peak.map_or(String::new(), |peak| rounded(scale * peak.value))
         };
         let cells = names.iter().map(value);
         std::iter::once(case.outcome.name.clone())
@@ -138,7 +130,7 @@ pub(super) fn damage(cases: &[CaseFiles]) -> Table {
             vec![
                 case.outcome.name.clone(),
                 damage.name.clone(),
-                number(damage.greatest),
+                rounded(damage.greatest),
                 damage.element.to_string(),
                 format!("{} of {} ({share:.1} %)", damage.damaged, damage.of),
             ]
@@ -150,19 +142,186 @@ pub(super) fn damage(cases: &[CaseFiles]) -> Table {
     }
 }
 
-/// Joints of the cases.
-pub(super) fn joints(cases: &[CaseFiles]) -> Table {
+/// Damage of the structure and its parts in a case.
+pub(super) fn parts(outcome: &CaseOutcome) -> Table {
+    let rows = outcome.parts.iter().map(|part| {
+        let shares = [
+            part.damaged,
+            part.tension,
+            part.compression,
+            part.both,
+            part.severe,
+        ];
+        let mut row = vec![
+            part.name.clone(),
+            rounded(part.volume),
+            rounded(part.mean),
+            rounded(part.greatest),
+        ];
+        row.extend(shares.map(|share| rounded(100.0 * share)));
+        row
+    });
+    Table {
+        head: head(&[
+            "part",
+            "volume (m3)",
+            "mean",
+            "greatest",
+            "above 0.1 (%)",
+            "by tension (%)",
+            "by compression or shear (%)",
+            "by both (%)",
+            "above half the greatest (%)",
+        ]),
+        rows: rows.collect(),
+    }
+}
+
+/// Mean damage of the structure, its lining and its interior, case by case.
+pub(super) fn mean_damage(cases: &[CaseFiles]) -> Table {
+    const SETS: [&str; 3] = ["structure", "lining", "interior"];
+    let with = cases.iter().filter(|case| !case.outcome.parts.is_empty());
+    let rows = with.map(|case| {
+        let of = |set: &str| {
+            let found = case.outcome.parts.iter().find(|part| part.name == set);
+            found.map_or_else(
+                || vec![String::new(); 3],
+                |part| {
+                    let shares = [part.damaged, part.tension + part.both];
+                    let shares = shares.map(|share| rounded(100.0 * share));
+                    std::iter::once(rounded(part.mean)).chain(shares).collect()
+                },
+            )
+        };
+        let cells = SETS.iter().flat_map(|set| of(set));
+        std::iter::once(case.outcome.name.clone())
+            .chain(cells)
+            .collect()
+    });
+    let names = SETS.iter().flat_map(|set| {
+        [
+            format!("{set}: mean"),
+            "above 0.1 (%)".into(),
+            "by tension too (%)".into(),
+        ]
+    });
+    Table {
+        head: std::iter::once("case".to_owned()).chain(names).collect(),
+        rows: rows.collect(),
+    }
+}
+
+/// What single choices do to the headline figures; nothing if no case names one.
+pub(super) fn sensitivity(variations: &[Variation]) -> Option<Table> {
+    let mut names: Vec<&str> = Vec::new();
+    for figure in variations.iter().flat_map(|found| &found.figures) {
+        if !names.contains(&figure.name.as_str()) {
+            names.push(&figure.name);
+        }
+    }
+    let mut bases: Vec<&str> = Vec::new();
+    let mut rows = Vec::new();
+    for found in variations {
+        let cells = |of: &dyn Fn(&crate::VariedFigure) -> String| {
+            let own = names.iter().map(|name| {
+                let mut figures = found.figures.iter();
+                figures
+                    .find(|figure| figure.name == *name)
+                    .map_or(String::new(), of)
+            });
+            own.collect::<Vec<_>>()
+        };
+        if !bases.contains(&found.base.as_str()) {
+            bases.push(&found.base);
+            let mut row = vec![found.base.clone(), "nothing".into()];
+            row.extend(cells(&|figure| rounded(figure.base)));
+            rows.push(row);
+        }
+        let mut row = vec![found.case.clone(), found.varies.clone()];
+        row.extend(cells(&|figure| figure.told()));
+        rows.push(row);
+    }
+    (!rows.is_empty()).then(|| Table {
+        head: (["case", "varies"].into_iter().chain(names))
+            .map(str::to_owned)
+            .collect(),
+        rows,
+    })
+}
+
+/// Energies at the end of each case (J).
+pub(super) fn energies(cases: &[CaseFiles]) -> Table {
+    let entries = |case: &'_ CaseFiles| -> Vec<(String, f64)> {
+        let list = case.summary["energies"].as_array().into_iter().flatten();
+        list.filter_map(|entry| Some((entry["name"].as_str()?.into(), entry["value"].as_f64()?)))
+            .collect()
+    };
+    let all: Vec<Vec<(String, f64)>> = cases.iter().map(entries).collect();
+    let mut names: Vec<String> = Vec::new();
+    for (name, _) in all.iter().flatten() {
+        if !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    let rows = cases.iter().zip(&all).map(|(case, own)| {
+        let value = |name: &String| {
+            let found = own.iter().find(|(other, _)| other == name);
+            found.map_or(String::new(), |(_, value)| rounded(*value))
+        };
+        std::iter::once(case.outcome.name.clone())
+            .chain(names.iter().map(value))
+            .chain([rounded(case.outcome.energy_residual)])
+            .collect()
+    });
+    Table {
+        rows: rows.collect(),
+        head: std::iter::once("case".to_owned())
+            .chain(names.iter().cloned())
+            .chain(["residual over the largest".into()])
+            .collect(),
+    }
+}
+
+/// Forces of bolts at rest, in the motion, and when they were greatest.
+pub(super) fn bolts(cases: &[CaseFiles]) -> Table {
     let rows = cases.iter().flat_map(|case| {
-        case.outcome.joints.iter().map(|joint| {
+        case.outcome.bolts.iter().map(|peak| {
+            let mut at_rest = case.outcome.bolts_at_rest.iter();
+            let at_rest = at_rest.find(|other| other.name == peak.name);
+            vec![
+                case.outcome.name.clone(),
+                peak.name.clone(),
+                at_rest.map_or(String::new(), |peak| rounded(1e-3 * peak.value)),
+                rounded(1e-3 * peak.value),
+                format!("{:.2}", peak.time),
+            ]
+        })
+    });
+    Table {
+        head: head(&[
+            "case",
+            "bolts",
+            "at rest (kN)",
+            "greatest in the motion (kN)",
+            "at time (s)",
+        ]),
+        rows: rows.collect(),
+    }
+}
+
+/// Joints of the cases, or parts of them.
+pub(super) fn joints(cases: &[CaseFiles], of: impl Fn(&CaseOutcome) -> &Vec<JointCase>) -> Table {
+    let rows = cases.iter().flat_map(|case| {
+        of(&case.outcome).iter().map(|joint| {
             vec![
                 case.outcome.name.clone(),
                 joint.name.clone(),
-                number(joint.area),
-                number(100.0 * joint.slipped),
-                number(100.0 * joint.opened),
-                number(100.0 * joint.broken),
-                number(1e3 * joint.slip),
-                number(1e3 * joint.opening),
+                rounded(joint.area),
+                rounded(100.0 * joint.slipped),
+                rounded(100.0 * joint.opened),
+                rounded(100.0 * joint.broken),
+                rounded(1e3 * joint.slip),
+                rounded(1e3 * joint.opening),
             ]
         })
     });

@@ -24,7 +24,7 @@ impl Mark {
         files.iter().for_each(|bytes| sum.add(bytes));
         Self {
             software: concat!("powerhouse ", env!("CARGO_PKG_VERSION")).into(),
-            inputs: format!("{:016x}", sum.0),
+            inputs: sum.text(),
             duration,
         }
     }
@@ -38,7 +38,7 @@ impl Mark {
 }
 
 /// FNV-1a over 64 bits (Fowler, Noll & Vo): tells an edited file from the old one, not a forged one.
-struct Checksum(u64);
+pub(super) struct Checksum(u64);
 
 impl Default for Checksum {
     fn default() -> Self {
@@ -47,11 +47,17 @@ impl Default for Checksum {
 }
 
 impl Checksum {
-    fn add(&mut self, bytes: &[u8]) {
+    /// Goes on over these bytes.
+    pub(super) fn add(&mut self, bytes: &[u8]) {
         // The length too, so that bytes cannot wander from one file into the next.
         let length = (bytes.len() as u64).to_le_bytes();
         for &byte in length.iter().chain(bytes) {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
+    }
+
+    /// The sum as text.
+    pub(super) fn text(&self) -> String {
+        format!("{:016x}", self.0)
     }
 }

@@ -1,7 +1,7 @@
 //! Sweeps: the cases of a scene, one after the other.
 //!
-//! The stages before the motion are gone through once for all cases that share them. A case that was
-//! finished before, from the same files and by the same version, is not run again: its mark stands
+//! The stages before the motion are gone through once for all cases that share them, and kept in a file
+//! for a sweep that goes on later. A case that was finished before, from the same files and by the same version, is not run again: its mark stands
 //! in its folder, and goes there last.
 //!
 //! ```no_run
@@ -13,13 +13,15 @@
 //! # Ok::<(), powerhouse_study::StudyError>(())
 //! ```
 
+mod at_rest;
+mod contact;
+mod damage;
+mod input;
 mod mark;
 mod outcome;
 mod pictures;
 mod table;
 
-use std::collections::BTreeMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,16 +30,23 @@ use std::time::{Duration, Instant};
 use powerhouse::engine::Ended;
 use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{BodyAtRest, ProgressHook, Registry, ResultFolder, RunHooks, Scene, StageSink};
+use powerhouse::{
+    Fault, ProgressHook, Registry, ResultFolder, RunHooks, Scene, SceneFault, SceneText, StageSink,
+    format,
+};
 
 use crate::{StudyError, registry};
+use at_rest::Bodies;
+pub use contact::{JointAndLining, JointCase};
+pub use damage::PartDamage;
+pub use input::{CaseInput, CaseWave};
 use mark::Mark;
-pub use outcome::{CaseOutcome, DamageOutcome, JointCase, Peak};
+pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 
 /// The file of a case's outcome in its folder.
 pub(crate) const OUTCOME: &str = "outcome.json";
 /// The file of its mark.
-const MARK: &str = "finished.json";
+pub(crate) const MARK: &str = "finished.json";
 /// The table of all cases in the folder of the sweep.
 pub(crate) const TABLE: &str = "sweep.csv";
 /// The file of the order of the cases.
@@ -158,7 +167,7 @@ impl Sweep {
         stop: Option<&Arc<AtomicBool>>,
         watch: &mut dyn SweepWatch,
     ) -> Result<Vec<CaseOutcome>, StudyError> {
-        let mut bodies = BTreeMap::new();
+        let mut bodies = Bodies::in_folder(&self.folder);
         let mut outcomes = Vec::with_capacity(self.cases.len());
         self.write_inputs()?;
         for (place, case) in self.cases.iter().enumerate() {
@@ -176,6 +185,13 @@ impl Sweep {
             table::write(&self.folder.join(TABLE), &outcomes)?;
         }
         Ok(outcomes)
+    }
+
+    /// A fault of the scene's text.
+    fn refused(&self, fault: Fault) -> StudyError {
+        let (path, text) = (self.scene.clone(), self.text.clone());
+        let fault = SceneFault::new(Arc::new(SceneText { path, text }), fault);
+        powerhouse::Error::from(fault).into()
     }
 
     /// Writes the order of the cases and the records.
@@ -201,7 +217,7 @@ impl Sweep {
         case: &str,
         path: &Path,
         (stop, watch): (Option<&Arc<AtomicBool>>, &mut dyn SweepWatch),
-        bodies: &mut BTreeMap<String, BodyAtRest>,
+        bodies: &mut Bodies,
     ) -> Result<CaseOutcome, StudyError> {
         let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
         if let Some(duration) = self.duration {
@@ -214,18 +230,20 @@ impl Sweep {
             let file = self.scene.clone();
             return Err(StudyError::Changed { file });
         }
+        let as_case = format::decode_case(&self.text, case);
+        let as_case = as_case.map_err(|fault| self.refused(fault))?;
         let folder = ResultFolder::new(path);
         let text = scene.source().map(|source| source.text.clone());
         let relative = scene.output_plan().relative.iter();
         let relative: Vec<String> = relative.map(|wish| wish.name.clone()).collect();
-        let body = body_of(&scene);
+        let body = at_rest::key(&scene, &self.scene, &self.text, case);
         let title = format!("{}: {case}", scene.title());
         let simulation = scene.prepare()?;
         let (mesh, remarks) = (simulation.mesh().clone(), simulation.remarks().to_vec());
         folder.create()?;
         folder.clear()?;
         let at_rest = match bodies.get(&body) {
-            Some(body) => Some(body.clone()),
+            Some(body) => Some(body),
             None => {
                 let started = Instant::now();
                 let files = folder.stages(&mesh, simulation.joint_surfaces())?;
@@ -236,7 +254,7 @@ impl Sweep {
                 })?;
                 if let Some(found) = &found {
                     watch.at_rest(case, started.elapsed());
-                    bodies.insert(body, found.clone());
+                    bodies.keep(body, found)?;
                 }
                 found
             }
@@ -256,7 +274,8 @@ impl Sweep {
             return Err(StudyError::Interrupted);
         }
         pictures::draw(path, &mesh, &results)?;
-        let outcome = CaseOutcome::of(case, &mesh, &results, &relative);
+        let input = CaseInput::of(&as_case, case);
+        let outcome = CaseOutcome::of((case, input), &mesh, &results, &relative);
         let write = |name: &str, content: &dyn Fn(&Path) -> Result<(), powerhouse::io::IoError>| {
             content(&path.join(name)).map_err(powerhouse::Error::from)
         };
@@ -266,24 +285,6 @@ impl Sweep {
         // As another sweep would find it: a number may lose its last bit in a file.
         CaseOutcome::read(&path.join(OUTCOME))
     }
-}
-
-/// What two cases must share for one body at rest to serve both: the mesh, the supports, the joints, and
-/// the faces that absorb, along which rock is elastic.
-fn body_of(scene: &Scene) -> String {
-    let mut nodes = DefaultHasher::new();
-    for position in scene.mesh().positions() {
-        position.iter().for_each(|x| x.to_bits().hash(&mut nodes));
-    }
-    let mesh = nodes.finish();
-    // Which nodes, and in which directions.
-    let mut held = DefaultHasher::new();
-    format!("{:?} {:?}", scene.supports(), scene.periodic_pairs()).hash(&mut held);
-    let held = held.finish();
-    let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
-    let boundary = scene.absorbing_boundary();
-    let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
-    format!("{mesh:x} {held:x} {joints:?} {faces:?}")
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, StudyError> {

@@ -5,10 +5,10 @@ use powerhouse::engine::observe::{HistoryTable, JointOutcome};
 use powerhouse::model::Mesh;
 use serde::{Deserialize, Serialize};
 
+use super::contact::{JointAndLining, JointCase};
+use super::damage::{DAMAGED, Damage, PartDamage};
+use super::input::CaseInput;
 use crate::StudyError;
-
-/// Damage from which on an element counts as damaged.
-const DAMAGED: f64 = 0.1;
 
 /// The greatest of a history and when it was.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,30 +36,14 @@ pub struct DamageOutcome {
     pub of: usize,
 }
 
-/// A joint at the end.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct JointCase {
-    /// Its name.
-    pub name: String,
-    /// Area (m2).
-    pub area: f64,
-    /// Shares of the area that slipped, opened, and lost their bond.
-    pub slipped: f64,
-    /// See `slipped`.
-    pub opened: f64,
-    /// See `slipped`.
-    pub broken: f64,
-    /// Largest accumulated slip (m).
-    pub slip: f64,
-    /// Largest opening (m).
-    pub opening: f64,
-}
-
 /// A case of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseOutcome {
     /// Its name.
     pub name: String,
+    /// What comes in, and what it varies.
+    #[serde(default)]
+    pub input: CaseInput,
     /// Steps.
     pub steps: u64,
     /// Their length (s).
@@ -78,15 +62,32 @@ pub struct CaseOutcome {
     pub relative: Vec<Peak>,
     /// Damage.
     pub damage: Vec<DamageOutcome>,
+    /// Damage of the structure and its parts.
+    #[serde(default)]
+    pub parts: Vec<PartDamage>,
     /// Joints.
     pub joints: Vec<JointCase>,
-    /// Greatest axial force of each set of bolts at the end (N).
+    /// Parts of joints.
+    #[serde(default)]
+    pub joint_parts: Vec<JointCase>,
+    /// How the failure of joints goes with the damage beside them, if there are joints.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub joint_and_lining: Option<JointAndLining>,
+    /// Greatest axial force of each make of bolts over the motion (N).
     pub bolts: Vec<Peak>,
+    /// The same at rest before it.
+    #[serde(default)]
+    pub bolts_at_rest: Vec<Peak>,
 }
 
 impl CaseOutcome {
     /// The outcome of a run whose relative displacements have these names.
-    pub(super) fn of(name: &str, mesh: &Mesh, results: &Results, relative: &[String]) -> Self {
+    pub(super) fn of(
+        (name, input): (&str, CaseInput),
+        mesh: &Mesh,
+        results: &Results,
+        relative: &[String],
+    ) -> Self {
         let run = &results.run;
         let (relative, displacements) = displacement_peaks(&results.histories)
             .into_iter()
@@ -109,10 +110,18 @@ impl CaseOutcome {
                 })
             })
         });
-        let whole = |outcome: &&JointOutcome| outcome.name == outcome.joint;
-        let joints = results.joint_outcomes.iter().filter(whole);
+        let of_parts = results.state.as_ref();
+        let of_parts = of_parts.and_then(|state| Damage::of(mesh, state));
+        let is_whole = |outcome: &&JointOutcome| outcome.name == outcome.joint;
+        let (joints, joint_parts): (Vec<_>, Vec<_>) =
+            results.joint_outcomes.iter().partition(is_whole);
+        let joints_of = |outcomes: Vec<&JointOutcome>| -> Vec<JointCase> {
+            outcomes.into_iter().map(JointCase::of).collect()
+        };
+        let (bolts, bolts_at_rest) = bolt_peaks(&results.bolt_histories);
         Self {
             name: name.into(),
+            input,
             steps: run.steps,
             step: run.step,
             end: run.time,
@@ -122,24 +131,12 @@ impl CaseOutcome {
             displacements,
             relative,
             damage: damage.collect(),
-            joints: joints
-                .map(|joint| JointCase {
-                    name: joint.name.clone(),
-                    area: joint.area,
-                    slipped: joint.slipped,
-                    opened: joint.opened,
-                    broken: joint.broken,
-                    slip: joint.slip.0,
-                    opening: joint.peak_opening.0,
-                })
-                .collect(),
-            bolts: (results.bolts.iter())
-                .map(|bolts| Peak {
-                    name: bolts.name.clone(),
-                    value: bolts.greatest().map_or(0.0, |(_, force)| force.abs()),
-                    time: run.time,
-                })
-                .collect(),
+            parts: (of_parts.as_ref()).map_or_else(Vec::new, |damage| damage.parts(mesh)),
+            joints: joints_of(joints),
+            joint_parts: joints_of(joint_parts),
+            joint_and_lining: JointAndLining::of(mesh, results, of_parts.as_ref()),
+            bolts,
+            bolts_at_rest,
         }
     }
 
@@ -165,6 +162,21 @@ fn stress_peaks(table: &HistoryTable) -> Vec<Peak> {
     let of = columns.filter_map(|column| Some((column.name.strip_suffix(".s1")?, column)));
     of.filter_map(|(name, column)| greatest(name, &table.times, &column.values))
         .collect()
+}
+
+/// The greatest force of each make of bolts over the motion, and that before it.
+fn bolt_peaks(table: &HistoryTable) -> (Vec<Peak>, Vec<Peak>) {
+    let columns = table.columns.iter();
+    let of = columns.filter_map(|column| Some((column.name.strip_suffix(".greatest")?, column)));
+    let peaks = of.filter_map(|(name, column)| {
+        let at_rest = Peak {
+            name: name.into(),
+            value: *column.values.first()?,
+            time: *table.times.first()?,
+        };
+        Some((greatest(name, &table.times, &column.values)?, at_rest))
+    });
+    peaks.unzip()
 }
 
 /// The greatest length of each displacement.

@@ -6,35 +6,38 @@ use powerhouse::Results;
 use powerhouse::io::{ColourMap, Picture, PictureField, PictureView, SectionPlane, write_picture};
 use powerhouse::model::{Mesh, Vec3};
 
+use super::damage::{Damage, STRUCTURE};
 use crate::StudyError;
 use crate::excerpt::excerpt;
 
-/// The element set that is drawn.
-const STRUCTURE: &str = "structure";
+/// What damaged a place, by its number; crushing counts as shear.
+const KINDS: [&str; 4] = ["none", "tension", "shear", "both"];
 
-/// Draws the greatest damage and principal stress of the structure into a folder; nothing if the mesh
-/// names no structure.
+/// Draws the greatest damage, what did it, and the greatest principal stress of the structure into a
+/// folder; nothing if the mesh names no structure.
 pub(super) fn draw(folder: &Path, mesh: &Mesh, results: &Results) -> Result<(), StudyError> {
     let Ok(structure) = mesh.element_set(STRUCTURE) else {
         return Ok(());
     };
     let body = excerpt(mesh, structure)?;
     let (low, high) = body.bounding_box();
-    let draw = |name: &str, label: &str, range, values: &[f64]| -> Result<(), StudyError> {
-        let mut picture = Picture::new(&body, PictureField::Elemental(values), label);
-        picture.view = PictureView {
-            direction: Vec3::new(-0.35, 1.0, -0.3),
-            up: Vec3::z(),
+    let draw =
+        |name: &str, label: &str, (range, kinds), values: &[f64]| -> Result<(), StudyError> {
+            let mut picture = Picture::new(&body, PictureField::Elemental(values), label);
+            picture.names = kinds;
+            picture.view = PictureView {
+                direction: Vec3::new(-0.35, 1.0, -0.3),
+                up: Vec3::z(),
+            };
+            picture.section = Some(SectionPlane {
+                point: (low + high) / 2.0,
+                normal: -Vec3::y(),
+            });
+            picture.range = range;
+            picture.colours = ColourMap::default();
+            let file = folder.join(format!("pictures/structure-{name}.png"));
+            Ok(write_picture(&file, &picture).map_err(powerhouse::Error::from)?)
         };
-        picture.section = Some(SectionPlane {
-            point: (low + high) / 2.0,
-            normal: -Vec3::y(),
-        });
-        picture.range = range;
-        picture.colours = ColourMap::default();
-        let file = folder.join(format!("pictures/structure-{name}.png"));
-        Ok(write_picture(&file, &picture).map_err(powerhouse::Error::from)?)
-    };
     let of = |elements: &[u32], values: &[f64]| -> Vec<f64> {
         let known: std::collections::HashMap<u32, f64> = elements
             .iter()
@@ -48,7 +51,13 @@ pub(super) fn draw(folder: &Path, mesh: &Mesh, results: &Results) -> Result<(), 
         let damages = state.peaks.iter();
         for (variable, peaks) in damages.filter(|(v, _)| v.name.starts_with("damage")) {
             let values = of(&state.elements, &peaks.values);
-            draw(variable.name, variable.name, Some([0.0, 1.0]), &values)?;
+            let range = (Some([0.0, 1.0]), &[][..]);
+            draw(variable.name, variable.name, range, &values)?;
+        }
+        if let Some(damage) = Damage::of(mesh, state) {
+            let of = structure.iter();
+            let kinds: Vec<f64> = of.map(|&e| damage.kinds[e as usize]).collect();
+            draw("damage-type", "damaged by", (None, &KINDS[..]), &kinds)?;
         }
     }
     if let Some(envelope) = &results.envelope
@@ -56,7 +65,8 @@ pub(super) fn draw(folder: &Path, mesh: &Mesh, results: &Results) -> Result<(), 
     {
         let values = of(&envelope.elements, &envelope.greatest_stress.values);
         let values: Vec<f64> = values.iter().map(|stress| 1e-6 * stress).collect();
-        draw("stress", "greatest principal stress (MPa)", None, &values)?;
+        let label = "greatest principal stress (MPa)";
+        draw("stress", label, (None, &[]), &values)?;
     }
     Ok(())
 }

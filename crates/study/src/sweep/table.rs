@@ -47,6 +47,12 @@ fn cells(outcome: &CaseOutcome) -> Vec<(String, f64)> {
         let name = format!("elements with {} above 0.1", damage.name);
         cells.push((name, damage.damaged as f64));
     }
+    for part in &outcome.parts {
+        cells.push((format!("mean damage of {}", part.name), part.mean));
+    }
+    if let Some(found) = &outcome.joint_and_lining {
+        cells.push(("failed share of joints".into(), found.failed));
+    }
     for joint in &outcome.joints {
         for (what, value) in [
             ("slipped", joint.slipped),

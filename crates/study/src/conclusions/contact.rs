@@ -1,0 +1,230 @@
+//! Conclusions 4 and 5: what the interaction of rock and structure does, and the joint between them.
+
+use super::claims::part;
+use super::series::{P, SV, WORST, called, case, verdict};
+use super::{Conclusion, Verdict};
+use crate::rounded::rounded;
+use crate::sweep::{CaseOutcome, JointAndLining};
+
+/// The keys and words of what is claimed of a kind of wave.
+struct Words {
+    kind: &'static str,
+    adds: (&'static str, &'static str),
+    spares: (&'static str, &'static str),
+    tension: (&'static str, &'static str),
+    together: (&'static str, &'static str),
+    arches: (&'static str, &'static str),
+}
+
+const WORDS: [Words; 2] = [
+    Words {
+        kind: "sv",
+        adds: (
+            "sv_interaction_adds_damage",
+            "SV at 30 degrees: damaged zone and damage are slightly larger with interaction of rock and \
+             structure",
+        ),
+        spares: (
+            "sv_interaction_spares_damage",
+            "SV at 30 degrees, the abstract: they are much larger without interaction",
+        ),
+        tension: (
+            "sv_tension_dominates",
+            "SV at 30 degrees: where damage is severe, it is of tension",
+        ),
+        together: (
+            "sv_joint_fails_where_lining_is_damaged",
+            "SV at 30 degrees: the joint slides and opens where the structure is damaged",
+        ),
+        arches: (
+            "sv_joint_fails_at_arches",
+            "SV at 30 degrees: the joint fails mainly at the arches",
+        ),
+    },
+    Words {
+        kind: "p",
+        adds: (
+            "p_interaction_adds_damage",
+            "P at 30 degrees: damaged zone and damage are slightly larger with interaction of rock and \
+             structure",
+        ),
+        spares: (
+            "p_interaction_spares_damage",
+            "P at 30 degrees, the abstract: they are much larger without interaction",
+        ),
+        tension: (
+            "p_tension_dominates",
+            "P at 30 degrees: where damage is severe, it is of tension",
+        ),
+        together: (
+            "p_joint_fails_where_lining_is_damaged",
+            "P at 30 degrees: the joint slides and opens where the structure is damaged",
+        ),
+        arches: (
+            "p_joint_fails_at_arches",
+            "P at 30 degrees: the joint fails mainly at the arches",
+        ),
+    },
+];
+
+fn told(
+    number: u8,
+    (key, claim): (&'static str, &'static str),
+    found: Result<(String, bool), Vec<String>>,
+) -> Conclusion {
+    let (figures, verdict) = match found {
+        Ok((figures, holds)) => (figures, verdict(holds)),
+        Err(missing) => (String::new(), Verdict::Missing(missing)),
+    };
+    Conclusion {
+        number,
+        key,
+        claim,
+        figures,
+        verdict,
+    }
+}
+
+/// Damage with interaction against damage without it, and whether tension does it.
+pub(super) fn of_interaction(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
+    let mut found = Vec::new();
+    for words in WORDS {
+        let wave = (words.kind, WORST);
+        let structure = |continuous| {
+            let part = case(outcomes, wave, continuous).and_then(|case| part(case, "structure"));
+            part.ok_or_else(|| called(wave, continuous))
+        };
+        let pair = match (structure(false), structure(true)) {
+            (Ok(with), Ok(without)) => Ok([with, without]),
+            (with, without) => Err([with.err(), without.err()].into_iter().flatten().collect()),
+        };
+        let pair: Result<_, Vec<String>> = pair;
+        let compared = |more: usize| {
+            let [with, without] = pair.clone()?;
+            let (first, second) = ([with, without][more], [with, without][1 - more]);
+            let figures = format!(
+                "mean damage {} with, {} without; {} % of the volume damaged with, {} % without",
+                rounded(with.mean),
+                rounded(without.mean),
+                rounded(100.0 * with.damaged),
+                rounded(100.0 * without.damaged)
+            );
+            let holds = first.mean > second.mean && first.damaged > second.damaged;
+            Ok((figures, holds))
+        };
+        found.push(told(4, words.adds, compared(0)));
+        found.push(told(0, words.spares, compared(1)));
+        let tension = structure(false).map_err(|missing| vec![missing]);
+        let tension = tension.map(|part| {
+            let figures = format!(
+                "tension does more on {} % of the {} % of the volume that are damaged by more than half \
+                 the greatest",
+                rounded(100.0 * part.severe_tension),
+                rounded(100.0 * part.severe)
+            );
+            (figures, part.severe_tension > 0.5)
+        });
+        found.push(told(4, words.tension, tension));
+    }
+    found
+}
+
+/// Where the joint fails, and whether damage goes with it.
+pub(super) fn of_joints(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
+    let mut found = Vec::new();
+    for words in WORDS {
+        let wave = (words.kind, WORST);
+        let with = case(outcomes, wave, false).ok_or_else(|| vec![called(wave, false)]);
+        let together = with.clone().and_then(|case| {
+            let found = case.joint_and_lining.as_ref();
+            found.ok_or_else(|| vec![called(wave, false)]).map(beside)
+        });
+        found.push(told(5, words.together, together));
+        found.push(told(
+            5,
+            words.arches,
+            with.and_then(|case| at_arches(case, wave)),
+        ));
+    }
+    found.push(told(
+        5,
+        (
+            "damage_goes_with_joint_failure",
+            "a good state of the joint reduces damage: from case to case the lining is damaged more where \
+             more of the joint failed",
+        ),
+        from_case_to_case(outcomes),
+    ));
+    found
+}
+
+/// Damage of the structure where the joint failed and where it held.
+fn beside(found: &JointAndLining) -> (String, bool) {
+    let of = |value: Option<f64>| value.map_or("none".into(), rounded);
+    let figures = format!(
+        "mean damage {} where the joint failed, {} where it held; correlation {} over {} elements; failed \
+         on {} % of the area",
+        of(found.damage_at_failed),
+        of(found.damage_at_held),
+        of(found.correlation),
+        found.elements,
+        rounded(100.0 * found.failed)
+    );
+    let pair = found.damage_at_failed.zip(found.damage_at_held);
+    (figures, pair.is_some_and(|(failed, held)| failed > held))
+}
+
+/// The broken share of the joint at the arches and elsewhere.
+fn at_arches(case: &CaseOutcome, wave: (&str, f64)) -> Result<(String, bool), Vec<String>> {
+    let share = |at_arch: bool| {
+        let parts = case.joint_parts.iter();
+        let parts = parts.filter(|part| part.name.contains("arch") == at_arch);
+        let (failed, area) = parts.fold((0.0, 0.0), |(failed, area), part| {
+            let share = part.broken.max(part.slipped).max(part.opened);
+            (failed + share * part.area, area + part.area)
+        });
+        (area > 0.0).then(|| failed / area)
+    };
+    let Some((arches, rest)) = share(true).zip(share(false)) else {
+        return Err(vec![called(wave, false)]);
+    };
+    let figures = format!(
+        "failed on {} % of the area at arches, {} % elsewhere",
+        rounded(100.0 * arches),
+        rounded(100.0 * rest)
+    );
+    Ok((figures, arches > rest))
+}
+
+/// Whether, between two cases of the paper, more damage of the lining goes with more failure of the joint:
+/// Kendall's tau.
+fn from_case_to_case(outcomes: &[CaseOutcome]) -> Result<(String, bool), Vec<String>> {
+    let waves = SV.map(|angle| ("sv", angle)).into_iter();
+    let waves = waves.chain(P.map(|angle| ("p", angle)));
+    let point = |wave: (&'static str, f64)| {
+        let found = case(outcomes, wave, false).and_then(|case| {
+            let failed = case.joint_and_lining.as_ref()?.failed;
+            Some((failed, part(case, "lining")?.mean))
+        });
+        found.ok_or_else(|| called(wave, false))
+    };
+    let points: Vec<Result<(f64, f64), String>> = waves.map(point).collect();
+    let missing: Vec<String> = points.iter().filter_map(|p| p.clone().err()).collect();
+    if !missing.is_empty() {
+        return Err(missing);
+    }
+    let points: Vec<(f64, f64)> = points.into_iter().flatten().collect();
+    let (mut sum, mut pairs) = (0.0, 0.0);
+    for (place, first) in points.iter().enumerate() {
+        for second in &points[..place] {
+            let way = (first.0 - second.0) * (first.1 - second.1);
+            if way != 0.0 {
+                sum += way.signum();
+            }
+            pairs += 1.0;
+        }
+    }
+    let tau = sum / pairs;
+    let figures = format!("Kendall's tau {} over {} cases", rounded(tau), points.len());
+    Ok((figures, tau > 0.0))
+}

@@ -1,0 +1,124 @@
+//! Bodies that stages have brought to rest, in memory and in files.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use powerhouse::model::Mesh;
+use powerhouse::{BodyAtRest, Scene};
+
+use super::mark::Checksum;
+use crate::StudyError;
+
+/// The folder of the files of bodies in that of a sweep.
+const FOLDER: &str = "at-rest";
+
+/// Sections of a scene that say what stages come to, beside mesh, supports, joints and absorbing faces.
+const SECTIONS: [&str; 8] = [
+    "material",
+    "part",
+    "joint",
+    "load",
+    "in_situ_stress",
+    "bolt",
+    "stage",
+    "precision",
+];
+
+/// The bodies of a sweep by their keys.
+pub(super) struct Bodies {
+    folder: PathBuf,
+    known: BTreeMap<String, BodyAtRest>,
+}
+
+impl Bodies {
+    /// Those in memory, none yet, and those that an earlier sweep left in the folder.
+    pub(super) fn in_folder(folder: &Path) -> Self {
+        Self {
+            folder: folder.join(FOLDER),
+            known: BTreeMap::new(),
+        }
+    }
+
+    /// The body of a key. A file that is not whole, or of another version, is as none.
+    pub(super) fn get(&mut self, key: &str) -> Option<BodyAtRest> {
+        if let Some(body) = self.known.get(key) {
+            return Some(body.clone());
+        }
+        let body = BodyAtRest::read(&self.file(key)).ok()?;
+        self.known.insert(key.into(), body.clone());
+        Some(body)
+    }
+
+    /// Keeps a body.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn keep(&mut self, key: String, body: &BodyAtRest) -> Result<(), StudyError> {
+        body.write(&self.file(&key))?;
+        self.known.insert(key, body.clone());
+        Ok(())
+    }
+
+    fn file(&self, key: &str) -> PathBuf {
+        self.folder.join(format!("{key}.body"))
+    }
+}
+
+/// What two cases must share for one body at rest to serve both: version, mesh, supports, joints, faces
+/// that absorb, along which rock is elastic, and what the scene and the case say of everything else
+/// that acts before the motion.
+pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
+    let mut sum = Checksum::default();
+    sum.add(env!("CARGO_PKG_VERSION").as_bytes());
+    add_mesh(&mut sum, scene.mesh());
+    // Which nodes, and in which directions.
+    let held = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());
+    let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
+    let boundary = scene.absorbing_boundary();
+    let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
+    sum.add(format!("{held} {joints:?} {faces:?}").as_bytes());
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
+    let cases = table.get("case").and_then(toml::Value::as_array);
+    let is_case = |own: &&toml::Value| own.get("name").and_then(toml::Value::as_str) == Some(case);
+    let own = cases.and_then(|cases| cases.iter().find(is_case));
+    for section in SECTIONS {
+        for value in [table.get(section), own.and_then(|own| own.get(section))] {
+            let said = value.map_or(String::new(), toml::Value::to_string);
+            sum.add(said.as_bytes());
+        }
+    }
+    let stress = table.get("in_situ_stress");
+    if let Some(name) = stress.and_then(|stress| stress.get("file")?.as_str()) {
+        let path = file.parent().unwrap_or(Path::new("")).join(name);
+        sum.add(&std::fs::read(path).unwrap_or_default());
+    }
+    sum.text()
+}
+
+/// Nodes, elements and named sets of a mesh.
+fn add_mesh(sum: &mut Checksum, mesh: &Mesh) {
+    for position in mesh.positions() {
+        let bits = position.map(f64::to_bits);
+        bits.iter().for_each(|bits| sum.add(&bits.to_le_bytes()));
+    }
+    let mut add = |numbers: &[u32]| {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+        sum.add(&bytes);
+    };
+    (0..mesh.element_count() as u32).for_each(|element| add(mesh.nodes_of(element)));
+    mesh.element_sets()
+        .values()
+        .for_each(|elements| add(elements));
+    for facets in mesh.facet_sets().values() {
+        let facets = facets.iter();
+        let sides: Vec<u32> = facets
+            .flat_map(|facet| [facet.element, u32::from(facet.side)])
+            .collect();
+        add(&sides);
+    }
+    let sets = [
+        mesh.element_sets().keys().collect::<Vec<_>>(),
+        mesh.facet_sets().keys().collect(),
+    ];
+    sum.add(format!("{sets:?}").as_bytes());
+}

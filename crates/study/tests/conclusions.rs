@@ -1,0 +1,302 @@
+//! The conclusions of the paper and the sensitivity of figures, from outcomes that are made up.
+
+use powerhouse_study::sweep::{
+    CaseInput, CaseOutcome, CaseWave, JointAndLining, JointCase, PartDamage, Peak,
+};
+use powerhouse_study::{Conclusion, Verdict, conclusions, sensitivity};
+
+fn peak(name: &str, value: f64) -> Peak {
+    Peak {
+        name: name.into(),
+        value,
+        time: 1.0,
+    }
+}
+
+/// A part of 10 m3 of which half as much as its mean damage is damaged, mostly by tension.
+fn part(name: &str, mean: f64) -> PartDamage {
+    PartDamage {
+        name: name.into(),
+        volume: 10.0,
+        mean,
+        greatest: 2.0 * mean,
+        damaged: 0.5 * mean,
+        tension: 0.3 * mean,
+        compression: 0.1 * mean,
+        both: 0.1 * mean,
+        severe: 0.2 * mean,
+        severe_tension: 0.8,
+    }
+}
+
+fn joint(name: &str, broken: f64) -> JointCase {
+    JointCase {
+        name: name.into(),
+        area: 100.0,
+        slipped: 0.0,
+        opened: 0.0,
+        broken,
+        slip: 0.0,
+        opening: 0.0,
+    }
+}
+
+/// A case of one wave in which everything is as large as a number from 0 to 1: stresses of two points (MPa),
+/// relative displacements (cm), damage, failure of the joint.
+fn case(kind: &str, angle: f64, size: f64) -> CaseOutcome {
+    CaseOutcome {
+        name: format!("{kind}-{angle}"),
+        input: CaseInput {
+            waves: vec![CaseWave {
+                kind: kind.into(),
+                incidence: angle,
+                azimuth: 0.0,
+            }],
+            varies: None,
+            continuous: false,
+        },
+        steps: 10,
+        step: 1e-4,
+        end: 1e-3,
+        wall_time: 1.0,
+        energy_residual: 0.0,
+        stresses: ["A-concrete", "B-concrete"]
+            .map(|name| peak(name, 1e6 * size))
+            .to_vec(),
+        displacements: vec![peak("A", 0.1 * size)],
+        relative: vec![peak("A-O1", 0.02 * size), peak("B-O1", 0.01 * size)],
+        damage: Vec::new(),
+        parts: vec![
+            part("structure", size),
+            part("lining", size),
+            part("arch_main", 0.5 * size),
+            part("wall_main", 0.4 * size),
+        ],
+        joints: vec![joint("rock-lining", size)],
+        joint_parts: vec![
+            joint("joint-arch-main", size),
+            joint("joint-wall-main", 0.5 * size),
+        ],
+        joint_and_lining: Some(JointAndLining {
+            failed: size,
+            elements: 20,
+            damage_at_failed: Some(size),
+            damage_at_held: Some(0.5 * size),
+            correlation: Some(0.7),
+        }),
+        bolts: Vec::new(),
+        bolts_at_rest: Vec::new(),
+    }
+}
+
+/// The same without joints.
+fn continuous(mut case: CaseOutcome) -> CaseOutcome {
+    case.name += "-continuous";
+    case.input.continuous = true;
+    (case.joints, case.joint_parts) = (Vec::new(), Vec::new());
+    case.joint_and_lining = None;
+    case
+}
+
+/// Cases as the paper has them.
+fn as_in_the_paper() -> Vec<CaseOutcome> {
+    let sv = [(0.0, 0.1), (15.0, 0.2), (25.0, 0.4), (30.0, 0.6)];
+    let p = [(0.0, 0.2), (30.0, 0.6), (60.0, 0.4), (90.0, 0.1)];
+    let mut cases: Vec<CaseOutcome> = (sv.iter())
+        .map(|(angle, size)| case("sv", *angle, *size))
+        .collect();
+    cases.extend(p.iter().map(|(angle, size)| case("p", *angle, *size)));
+    cases.push(continuous(case("sv", 30.0, 0.5)));
+    cases.push(continuous(case("p", 30.0, 0.5)));
+    cases
+}
+
+fn of<'c>(found: &'c [Conclusion], key: &str) -> &'c Conclusion {
+    found.iter().find(|claim| claim.key == key).unwrap()
+}
+
+/// Cases that do what the paper says bear out all of its conclusions, and not what its abstract says to the
+/// contrary; figures are told with each.
+#[test]
+fn what_the_paper_says_is_confirmed() {
+    let found = conclusions(&as_in_the_paper());
+    for claim in &found {
+        let expected = match claim.number {
+            0 => Verdict::NotConfirmed,
+            _ => Verdict::Confirmed,
+        };
+        assert_eq!(claim.verdict, expected, "{claim}");
+        assert!(!claim.figures.is_empty(), "{claim}");
+    }
+    let numbers: Vec<u8> = found.iter().map(|claim| claim.number).collect();
+    for number in 0..=5 {
+        assert!(numbers.contains(&number), "{number}");
+    }
+    let line = of(&found, "sv_stress_rises").to_string();
+    assert_eq!(
+        line,
+        "conclusion.1.sv_stress_rises = confirmed (0: 0.100, 15: 0.200, 25: 0.400, 30: 0.600 MPa, mean of 2 \
+         points; so at 2 of them)"
+    );
+    let abstract_line = of(&found, "p_interaction_spares_damage").to_string();
+    assert!(
+        abstract_line.starts_with("abstract.p_interaction_spares_damage = not confirmed (mean")
+    );
+}
+
+/// Each claim falls with the figures that it rests on, and with no others.
+#[test]
+fn a_claim_falls_with_its_figures() {
+    let falls = |change: &dyn Fn(&mut Vec<CaseOutcome>)| -> Vec<&'static str> {
+        let mut cases = as_in_the_paper();
+        change(&mut cases);
+        let found = conclusions(&cases);
+        let is_other =
+            |claim: &&Conclusion| (claim.verdict == Verdict::Confirmed) == (claim.number == 0);
+        found
+            .iter()
+            .filter(is_other)
+            .map(|claim| claim.key)
+            .collect()
+    };
+    assert!(falls(&|_| {}).is_empty());
+    // SV at 15 degrees above that at 25: no more rise, but 30 degrees stay the greatest.
+    let stress = |cases: &mut Vec<CaseOutcome>, place: usize, value: f64| {
+        cases[place]
+            .stresses
+            .iter_mut()
+            .for_each(|peak| peak.value = value);
+    };
+    assert_eq!(falls(&|cases| stress(cases, 1, 0.5e6)), ["sv_stress_rises"]);
+    // P at 90 degrees above that at 60: no fall beyond 30 degrees.
+    let wanted = ["p_stress_is_greatest_at_30"];
+    assert_eq!(falls(&|cases| stress(cases, 7, 0.5e6)), wanted);
+    let relative = |cases: &mut Vec<CaseOutcome>, place: usize| {
+        cases[place]
+            .relative
+            .iter_mut()
+            .for_each(|peak| peak.value = 1.0);
+    };
+    assert_eq!(
+        falls(&|cases| relative(cases, 0)),
+        ["sv_displacement_is_greatest_at_30"]
+    );
+    // At 60 degrees it is neither vertical nor horizontal.
+    assert_eq!(
+        falls(&|cases| relative(cases, 6)),
+        ["p_displacement_is_greatest_at_30"]
+    );
+    assert_eq!(
+        falls(&|cases| relative(cases, 7)),
+        [
+            "p_displacement_is_greatest_at_30",
+            "p_oblique_displaces_more"
+        ]
+    );
+    // Walls above arches.
+    let walls = |cases: &mut Vec<CaseOutcome>| cases[3].parts[3].mean = 1.0;
+    assert_eq!(falls(&walls), ["sv_arches_and_floors_suffer_most"]);
+    let arches = |cases: &mut Vec<CaseOutcome>| cases[0].parts[2].mean = 1.0;
+    assert_eq!(
+        falls(&arches),
+        ["sv_oblique_damages_arches_and_floors_more"]
+    );
+    // More damage without interaction: the abstract is right.
+    let spared = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0] = part("structure", 0.9);
+    let mut wanted = ["sv_interaction_adds_damage", "sv_interaction_spares_damage"];
+    let mut found = falls(&spared);
+    found.sort_unstable();
+    wanted.sort_unstable();
+    assert_eq!(found, wanted);
+    // More damage on less volume bears out neither.
+    let mixed = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0].damaged = 0.9;
+    assert_eq!(falls(&mixed), ["sv_interaction_adds_damage"]);
+    let shear = |cases: &mut Vec<CaseOutcome>| cases[5].parts[0].severe_tension = 0.2;
+    assert_eq!(falls(&shear), ["p_tension_dominates"]);
+    let apart = |cases: &mut Vec<CaseOutcome>| {
+        let found = cases[3].joint_and_lining.as_mut().unwrap();
+        found.damage_at_held = Some(0.9);
+    };
+    assert_eq!(falls(&apart), ["sv_joint_fails_where_lining_is_damaged"]);
+    let elsewhere = |cases: &mut Vec<CaseOutcome>| cases[5].joint_parts[1].broken = 0.9;
+    assert_eq!(falls(&elsewhere), ["p_joint_fails_at_arches"]);
+    // The joint fails the less the more the lining is damaged.
+    let contrary = |cases: &mut Vec<CaseOutcome>| {
+        for case in cases {
+            if let Some(found) = &mut case.joint_and_lining {
+                found.failed = 1.0 - found.failed;
+            }
+        }
+    };
+    assert_eq!(falls(&contrary), ["damage_goes_with_joint_failure"]);
+}
+
+/// A claim is open as long as a case is missing, which it names; cases that vary something, or come from
+/// another side, do not stand in.
+#[test]
+fn missing_cases_are_named() {
+    let mut cases = as_in_the_paper();
+    cases[1].input.varies = Some("mesh".into());
+    cases[7].input.waves[0].azimuth = 90.0;
+    cases.retain(|case| case.name != "sv-30-continuous");
+    let found = conclusions(&cases);
+    let missing = |key: &str| match &of(&found, key).verdict {
+        Verdict::Missing(cases) => cases.clone(),
+        other => panic!("{key}: {other}"),
+    };
+    assert_eq!(missing("sv_stress_rises"), ["SV 15"]);
+    assert_eq!(missing("p_damage_is_worst_at_30"), ["P 90"]);
+    assert_eq!(
+        missing("sv_interaction_adds_damage"),
+        ["SV 30 without joints"]
+    );
+    assert_eq!(missing("damage_goes_with_joint_failure"), ["SV 15", "P 90"]);
+    assert_eq!(
+        of(&found, "sv_tension_dominates").verdict,
+        Verdict::Confirmed
+    );
+    let line = of(&found, "sv_stress_rises").to_string();
+    assert_eq!(line, "conclusion.1.sv_stress_rises = open, without SV 15");
+}
+
+/// A case that says what it varies stands beside the first case of the same waves that varies nothing,
+/// figure by figure; one of other waves stands alone and is left out.
+#[test]
+fn variations_are_compared_with_their_base() {
+    let vary = |mut case: CaseOutcome, name: &str, what: &str| {
+        (case.name, case.input.varies) = (name.into(), Some(what.into()));
+        case
+    };
+    let mut cases = as_in_the_paper();
+    cases.push(vary(case("sv", 30.0, 0.9), "sv-30-smooth", "friction"));
+    cases.push(vary(case("sv", 34.0, 0.9), "sv-34-smooth", "friction"));
+    cases.push(vary(
+        continuous(case("p", 30.0, 0.3)),
+        "p-30-whole",
+        "joint",
+    ));
+    let found = sensitivity(&cases);
+    let told: Vec<(&str, &str, &str)> = (found.iter())
+        .map(|found| (&*found.case, &*found.varies, &*found.base))
+        .collect();
+    assert_eq!(
+        told,
+        [
+            ("sv-30-smooth", "friction", "sv-30"),
+            ("p-30-whole", "joint", "p-30")
+        ]
+    );
+    let figures: Vec<String> = found[0].figures.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        figures,
+        [
+            "relative displacement B-O1 (mm) 9.00 (+50.0 %)",
+            "principal stress A-concrete (MPa) 0.900 (+50.0 %)",
+            "mean damage of the lining 0.900 (+50.0 %)",
+            "failed share of the joint (%) 90.0 (+50.0 %)",
+        ]
+    );
+    // Without a joint there is nothing that could fail.
+    assert_eq!(found[1].figures.len(), 3);
+    assert!((found[1].figures[0].change().unwrap() + 0.5).abs() < 1e-12);
+}
