@@ -73,6 +73,9 @@ pub struct JointSurface {
     pub worst_nodes: [u64; 2],
 }
 
+/// The least cosine of the angle between normals of pairs that become one, that of 40 degrees.
+const ONE_PATCH: f64 = 0.766;
+
 impl JointSurface {
     /// Matches each facet of one side with the one of the other side at the same place, corner by
     /// corner, and makes pairs of their nodes: normals are those of the first side, averaged with
@@ -142,6 +145,59 @@ impl JointSurface {
             });
         }
         Ok(surface)
+    }
+
+    /// The surface of a body some nodes of which move as one, as on periodic faces: pairs of the same
+    /// nodes, and of one smooth patch, are one pair of all their area. `lead` tells which of the nodes
+    /// that move as one stands for all of them.
+    #[must_use]
+    pub fn united(self, lead: impl Fn(u32) -> u32) -> Self {
+        let mut kept: Vec<(JointPair, Vec<[u32; 2]>)> = Vec::with_capacity(self.pairs.len());
+        let mut at: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
+        let place_of: Vec<usize> = (self.pairs.iter())
+            .map(|pair| {
+                let nodes = pair.nodes.map(&lead);
+                let same = at.entry(nodes).or_default();
+                let along = |place: &usize| kept[*place].0.normal.dot(&pair.normal);
+                let joins = |place: &&usize| {
+                    along(place) >= ONE_PATCH && !kept[**place].1.contains(&pair.nodes)
+                };
+                let found = same.iter().filter(joins);
+                match found.max_by(|a, b| along(a).total_cmp(&along(b))).copied() {
+                    Some(place) => {
+                        let (one, of) = &mut kept[place];
+                        let normal = one.normal * one.area + pair.normal * pair.area;
+                        *one = JointPair::new(nodes, normal, one.area + pair.area);
+                        of.push(pair.nodes);
+                        place
+                    }
+                    None => {
+                        same.push(kept.len());
+                        kept.push((JointPair { nodes, ..*pair }, vec![pair.nodes]));
+                        kept.len() - 1
+                    }
+                }
+            })
+            .collect();
+        let mut order: Vec<usize> = (0..kept.len()).collect();
+        order.sort_by_key(|&place| kept[place].0.nodes);
+        let mut rank = vec![0; kept.len()];
+        for (new, &old) in order.iter().enumerate() {
+            rank[old] = new as u32;
+        }
+        let renumbered = |pair: u32| rank[place_of[pair as usize]];
+        let facets = self.facets.into_iter().map(|facet| JointFacet {
+            pairs: (facet.pairs.iter())
+                .map(|pair| pair.map(renumbered))
+                .collect(),
+            ..facet
+        });
+        Self {
+            facets: facets.collect(),
+            pairs: order.iter().map(|&place| kept[place].0).collect(),
+            worst_gap: self.worst_gap,
+            worst_nodes: self.worst_nodes,
+        }
     }
 
     /// The shortest edge of its facets (m).

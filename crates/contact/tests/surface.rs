@@ -1,7 +1,7 @@
 //! Pairs from the facets of a mesh.
 
 use powerhouse_contact::{ContactError, JointSurface, SurfaceOptions};
-use powerhouse_model::{Mesh, Vec3};
+use powerhouse_model::{JointPair, Mesh, Vec3};
 
 fn options() -> SurfaceOptions {
     SurfaceOptions::within(1e-6).unwrap()
@@ -159,4 +159,63 @@ fn sides_meshed_apart_are_matched() {
         JointSurface::between(&split.mesh, &[], &split.second, &options()),
         Err(ContactError::Empty)
     );
+}
+
+/// Where the ends of a joint move as one, one pair has the area of both ends; what faces elsewhere at
+/// the same nodes stays a pair of its own.
+#[test]
+fn pairs_that_move_as_one_are_one() {
+    let size = Vec3::new(3.0, 2.0, 3.0);
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [3, 2, 3], "rock");
+    // A bench: its floor, and its wall at x = 1.
+    let (mesh, surface) = cut(&mesh.unwrap(), |c| c.z < 1.0 || c.x < 1.0);
+    let position = |node: u32| mesh.positions()[node as usize];
+    let before = surface.clone();
+    // The far face goes with the near one, side by side: here cut nodes of a side keep their order.
+    let lead = |node: u32| {
+        let at = position(node);
+        if at.y < 2.0 {
+            return node;
+        }
+        let near = Vec3::new(at.x, 0.0, at.z);
+        let of_side = |n: &u32| {
+            let pairs = before.pairs.iter();
+            let sides = pairs.flat_map(|pair| pair.nodes.into_iter().enumerate());
+            sides
+                .filter(|(_, other)| other == n)
+                .map(|(side, _)| side)
+                .next()
+        };
+        let nodes = 0..mesh.node_count() as u32;
+        let mut same = nodes.filter(|&n| (position(n) - near).norm() < 1e-9);
+        same.find(|n| of_side(n) == of_side(&node)).unwrap()
+    };
+    let united = surface.united(lead);
+    assert!((united.area() - before.area()).abs() < 1e-12);
+    let plain = |pairs: &[JointPair], y: f64| {
+        let at = |pair: &&JointPair| (position(pair.nodes[0]).y - y).abs() < 1e-9;
+        pairs.iter().filter(at).count()
+    };
+    assert_eq!(plain(&united.pairs, 2.0), 0);
+    assert_eq!(plain(&united.pairs, 0.0), plain(&before.pairs, 0.0));
+    assert!(united.pairs.is_sorted_by_key(|pair| pair.nodes));
+    for pair in &united.pairs {
+        let axis = pair.normal.iamax();
+        assert!(axis != 1 && (pair.normal[axis].abs() - 1.0).abs() < 1e-12);
+        // No pair is on the far face, and inner ones and the near ones now have whole widths in y.
+        let at = position(pair.nodes[0]);
+        // The wall goes up from z = 1 to 3, the floor from x = 1 to 3.
+        let along = if axis == 0 { at.z } else { at.x };
+        let half = (along - 1.0).abs() < 1e-9 || (along - 3.0).abs() < 1e-9;
+        let expected = if half { 0.5 } else { 1.0 };
+        assert!((pair.area - expected).abs() < 1e-12, "{pair:?}");
+    }
+    for (facet, old) in united.facets.iter().zip(&before.facets) {
+        for (pair, was) in facet.pairs.iter().zip(&old.pairs) {
+            let pair = &united.pairs[pair.unwrap() as usize];
+            let was = &before.pairs[was.unwrap() as usize];
+            assert_eq!(pair.nodes, was.nodes.map(lead));
+            assert!(pair.normal.dot(&was.normal) > 0.99);
+        }
+    }
 }

@@ -130,6 +130,7 @@ mod nodes;
 mod numbering;
 pub mod observe;
 mod partition;
+mod periodic;
 mod run;
 mod spectrum;
 mod stable_step;
@@ -146,6 +147,7 @@ pub use integrator::{Leapfrog, OneSided};
 pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
 pub use loads::{FacePressure, FaceTraction, NodalForce, Profile};
 pub use model::{ElementChoice, Model, ModelBuilder};
+pub use periodic::PeriodicPairs;
 pub use run::{
     Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice, run,
     run_reporting,
@@ -157,4 +159,4 @@ pub use statics::Linearisation;
 pub use statics::{
     HandOverReport, StaticError, StaticMethod, StaticOptions, StaticProgress, StaticReport,
 };
-pub use support::{PeriodicPairs, Prescribed, Support};
+pub use support::{Prescribed, Support};

@@ -1,6 +1,6 @@
-//! Supports, prescribed motion and periodic ties.
+//! Supports and prescribed motion.
 
-use powerhouse_model::{Mat3, Mesh, ParameterError, TimeFunction, Vec3};
+use powerhouse_model::{Mat3, TimeFunction, Vec3};
 
 use crate::EngineError;
 
@@ -75,106 +75,6 @@ impl core::fmt::Debug for Prescribed {
             .field("direction", &self.direction)
             .finish_non_exhaustive()
     }
-}
-
-/// Pairs of nodes that move as one: they share their mass and the sum of their forces.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PeriodicPairs {
-    /// Mesh indices of the nodes of each pair.
-    pub pairs: Vec<(u32, u32)>,
-}
-
-impl PeriodicPairs {
-    /// Matches the nodes of two faces that differ by a translation.
-    ///
-    /// The translation is that of the lowest corners of the boxes around the two faces.
-    ///
-    /// # Errors
-    /// [`EngineError::PeriodicMismatch`] names the node that lies farthest from its partner.
-    pub fn by_translation(
-        mesh: &Mesh,
-        from: &[u32],
-        to: &[u32],
-        tolerance: f64,
-    ) -> Result<Self, EngineError> {
-        ParameterError::check("tolerance", tolerance, 0.0, f64::MAX)?;
-        let position = |node: u32| {
-            let found = mesh.positions().get(node as usize).copied();
-            found.ok_or(EngineError::UnknownNode {
-                part: "a periodic pair".into(),
-                node,
-                count: mesh.node_count(),
-            })
-        };
-        let low = |nodes: &[u32]| -> Result<Vec3, EngineError> {
-            let mut low = Vec3::repeat(f64::INFINITY);
-            for &node in nodes {
-                low = low.inf(&position(node)?);
-            }
-            Ok(low)
-        };
-        let translation = low(to)? - low(from)?;
-        let (partners, worst_from) = nearest(mesh, from, to, translation);
-        let (_, worst_to) = nearest(mesh, to, from, -translation);
-        let worst = if worst_from.1 >= worst_to.1 {
-            worst_from
-        } else {
-            worst_to
-        };
-        let one_to_one = {
-            let mut sorted = partners.clone();
-            sorted.sort_unstable();
-            sorted.dedup();
-            sorted.len() == from.len() && from.len() == to.len()
-        };
-        if worst.1 > tolerance || !one_to_one {
-            return Err(EngineError::PeriodicMismatch {
-                from: from.len(),
-                to: to.len(),
-                node: mesh.node_tags().get(worst.0 as usize).copied().unwrap_or(0),
-                distance: worst.1,
-                tolerance,
-            });
-        }
-        Ok(Self {
-            pairs: from.iter().copied().zip(partners).collect(),
-        })
-    }
-}
-
-/// The partner of each node, and the node that is farthest from its own with that distance.
-fn nearest(mesh: &Mesh, from: &[u32], to: &[u32], translation: Vec3) -> (Vec<u32>, (u32, f64)) {
-    let position = |node: u32| mesh.positions()[node as usize];
-    let extent = to.iter().fold(
-        (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)),
-        |(low, high), &node| (low.inf(&position(node)), high.sup(&position(node))),
-    );
-    let axis = (extent.1 - extent.0).imax();
-    let mut sorted: Vec<(f64, u32)> = to.iter().map(|&n| (position(n)[axis], n)).collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut worst = (from.first().copied().unwrap_or(0), 0.0);
-    let partners = from
-        .iter()
-        .map(|&node| {
-            let target = position(node) + translation;
-            let middle = sorted.partition_point(|&(x, _)| x < target[axis]);
-            let mut best = (node, f64::INFINITY);
-            let mut closer = |&(x, candidate): &(f64, u32)| {
-                let distance = (position(candidate) - target).norm();
-                if distance < best.1 {
-                    best = (candidate, distance);
-                }
-                (x - target[axis]).abs() <= best.1
-            };
-            let _ = sorted[middle..].iter().all(&mut closer);
-            let _ = sorted[..middle].iter().rev().all(&mut closer);
-            if best.1 > worst.1 {
-                worst = (node, best.1);
-            }
-            best.0
-        })
-        .collect();
-    (partners, worst)
 }
 
 pub(crate) fn unit(part: &str, direction: Vec3) -> Result<Vec3, EngineError> {

@@ -435,3 +435,32 @@ fn a_prescribed_motion_is_met() {
     };
     assert!(nodes.iter().map(across).fold(0.0, f64::max) > 1e-6);
 }
+
+/// Where a joint cuts periodic faces, two nodes stand at one place: each is tied to the one on its own
+/// side of the joint.
+#[test]
+fn ties_keep_to_their_side_of_a_joint() {
+    let size = Vec3::new(2.0, 3.0, 2.0);
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [2, 3, 2], "rock").unwrap();
+    let part = |mesh: &Mesh, below: bool| -> Vec<u32> {
+        let elements = 0..mesh.element_count() as u32;
+        let inside = |&e: &u32| (mesh.centroid(e).z < 1.0) == below;
+        elements.filter(inside).collect()
+    };
+    let mesh = mesh.split_between(&part(&mesh, true), &part(&mesh, false));
+    let mesh = mesh.unwrap().mesh;
+    let at = |y: f64| -> Vec<u32> {
+        let nodes = 0..mesh.node_count() as u32;
+        nodes
+            .filter(|&n| mesh.positions()[n as usize].y == y)
+            .collect()
+    };
+    let ties = PeriodicPairs::by_translation(&mesh, &at(0.0), &at(3.0), 1e-9).unwrap();
+    let lower = mesh.nodes_of_elements(&part(&mesh, true));
+    assert_eq!(ties.pairs.len(), 12);
+    for &(from, to) in &ties.pairs {
+        let offset = mesh.positions()[to as usize] - mesh.positions()[from as usize];
+        assert!((offset - Vec3::new(0.0, 3.0, 0.0)).norm() < 1e-12);
+        assert_eq!(lower.contains(&from), lower.contains(&to), "{from} {to}");
+    }
+}

@@ -6,7 +6,7 @@ mod zone;
 pub use preload::{GroundStress, Preload};
 pub use zone::JointZone;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use powerhouse_contact::{ContactError, Joint, JointSurface, Tied};
@@ -111,34 +111,41 @@ impl SceneJoint {
 
     /// Sees that its pairs can start as they are to.
     pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Error> {
-        let start = self.start(mesh)?;
+        let start = self.start(mesh, &self.surface)?;
         start.joint(mesh, (&self.name, &self.surface), self.law.as_ref())?;
         Ok(())
     }
 
-    /// The joint in its initial state, and its sides.
+    /// The joint in its initial state, and its sides, in a body of which some nodes move as one with
+    /// others, their leads.
     pub(crate) fn build(
         &self,
         mesh: &Mesh,
+        leads: &HashMap<u32, u32>,
         closing: Closing,
     ) -> Result<(NamedJoint, NamedSurface), Error> {
+        let mut surface = self.surface.clone();
+        if !leads.is_empty() {
+            let lead = |node: u32| leads.get(&node).copied().unwrap_or(node);
+            surface = surface.united(lead);
+        }
         let (start, law) = match closing {
-            Closing::Own => (self.start(mesh)?, self.law.clone()),
+            Closing::Own => (self.start(mesh, &surface)?, self.law.clone()),
             Closing::Bonded => (Start::default(), self.law.clone()),
             Closing::Tied => (Start::default(), Arc::new(Tied) as Arc<dyn ContactLaw>),
         };
-        let joint = start.joint(mesh, (&self.name, &self.surface), law)?;
-        Ok((joint, (self.name.clone(), self.surface.clone())))
+        let joint = start.joint(mesh, (&self.name, &surface), law)?;
+        Ok((joint, (self.name.clone(), surface)))
     }
 
-    fn start(&self, mesh: &Mesh) -> Result<Start, Error> {
+    fn start(&self, mesh: &Mesh, surface: &JointSurface) -> Result<Start, Error> {
         if let Some(preload) = &self.preload {
             preload.check()?;
         }
         let mut unbonded = HashSet::new();
         for zone in &self.unbonded {
-            let pairs = zone.pairs(mesh, (&self.name, &self.surface))?;
-            unbonded.extend(pairs.iter().map(|&pair| self.surface.pairs[pair].nodes));
+            let pairs = zone.pairs(mesh, (&self.name, surface))?;
+            unbonded.extend(pairs.iter().map(|&pair| surface.pairs[pair].nodes));
         }
         Ok(Start {
             preload: self.preload,

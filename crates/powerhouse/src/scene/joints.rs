@@ -1,6 +1,7 @@
 //! From the joints of a scene to constraints.
 
 use powerhouse_contact::Joint;
+use powerhouse_explicit_core::PeriodicPairs;
 
 use super::Scene;
 use crate::Error;
@@ -18,8 +19,9 @@ impl Scene {
     ) -> Result<(Vec<NamedJoint>, Vec<NamedSurface>), Error> {
         let mut groups: Vec<Group> = Vec::new();
         let mut surfaces = Vec::with_capacity(self.joints.len());
+        let leads = PeriodicPairs::leads(&self.periodic);
         for joint in &self.joints {
-            let (joint, surface) = joint.build(&self.mesh, closing(&joint.name))?;
+            let (joint, surface) = joint.build(&self.mesh, &leads, closing(&joint.name))?;
             let mut nodes: Vec<u32> = surface.1.pairs.iter().flat_map(|pair| pair.nodes).collect();
             let mut members = vec![joint];
             let (touching, apart) = (groups.into_iter()).partition::<Vec<_>, _>(|(others, _)| {

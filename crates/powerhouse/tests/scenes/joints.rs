@@ -2,7 +2,7 @@
 
 use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::io::write_gmsh;
-use powerhouse::model::Mesh;
+use powerhouse::model::{JointRecord, Mesh};
 use powerhouse::{Error, Registry, Remark, ResultFolder, Scene, SceneJoint};
 
 use crate::support::*;
@@ -238,4 +238,70 @@ fn large_slip_is_told() {
     };
     assert_eq!((joint.as_str(), *share), large.slip_shares(&mesh)[0]);
     assert!(*share > 0.1 && doubts[0].is_warning());
+}
+
+/// A joint runs through sides that are tied to the opposite ones as if it had no end: bonded, the body
+/// moves like one without it; where it breaks, all of it slips alike.
+#[test]
+fn a_joint_runs_through_periodic_sides() {
+    let folder = folder("joint-endless");
+    let endless = "[[support]]\nkind = \"periodic\"\nfrom = \"front\"\nto = \"back\"\n\
+                   [[support]]\nkind = \"periodic\"\nfrom = \"left\"\nto = \"right\"\n[time]";
+    let scene = |part: &str| -> Scene {
+        let mut text = CUBE.to_owned();
+        for (old, new) in [
+            (PART, part),
+            ("incidence = 20", "incidence = 0"),
+            (
+                r#"["left", "right", "front", "back", "bottom"]"#,
+                r#"["bottom"]"#,
+            ),
+            ("[time]", endless),
+            ("duration = 0.6", "duration = 0.6\nstep = 0.005"),
+        ] {
+            assert!(text.contains(old), "{old}");
+            text = text.replacen(old, new, 1);
+        }
+        Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default()).unwrap()
+    };
+    let whole = run(scene(PART));
+    let strong = JOINT.replace("cohesion = 2e4", "cohesion = 1e9");
+    let bonded = run(scene(
+        &strong.replace("tensile_strength = 1e4", "tensile_strength = 1e9"),
+    ));
+    let columns = whole
+        .histories
+        .columns
+        .iter()
+        .zip(&bonded.histories.columns);
+    for (whole, bonded) in columns {
+        let scale = whole
+            .values
+            .iter()
+            .fold(0.0_f64, |most, u| most.max(u.abs()));
+        for (a, b) in whole.values.iter().zip(&bonded.values) {
+            assert!(
+                (a - b).abs() <= 1e-9 * scale + 1e-12,
+                "{}: {a} {b}",
+                whole.name
+            );
+        }
+    }
+
+    // Pressed together, or rounding would open some pairs, which do not slip then.
+    let pressed = "preload = { kind = \"pressure\", pressure = 1e4 }\n";
+    let slipping = run(scene(&format!("{JOINT}{pressed}")));
+    // Of 7 x 7 pairs, the last row and column go with the first.
+    let surface = &slipping.joint_surfaces[0];
+    assert_eq!((surface.pairs.len(), surface.facets.len()), (36, 36));
+    let equal = |area: f64| (area / 2500.0 - 1.0).abs() < 1e-12;
+    assert!(surface.pairs.iter().all(|pair| equal(pair.area)));
+    let slip = |record: &JointRecord| record.state.slip;
+    let slips: Vec<f64> = slipping.joints[0].records.iter().map(slip).collect();
+    let least = slips.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = slips.iter().copied().fold(0.0, f64::max);
+    assert!(
+        least > 1e-4 && most - least <= 1e-9 * most,
+        "{least} {most}"
+    );
 }

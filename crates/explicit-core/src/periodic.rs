@@ -1,0 +1,185 @@
+//! Faces that move as one.
+
+use std::collections::HashMap;
+
+use powerhouse_model::{Mesh, ParameterError, Vec3};
+
+use crate::EngineError;
+
+/// Pairs of nodes that move as one: they share their mass and the sum of their forces.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PeriodicPairs {
+    /// Mesh indices of the nodes of each pair.
+    pub pairs: Vec<(u32, u32)>,
+}
+
+impl PeriodicPairs {
+    /// Matches the nodes of two faces that differ by a translation.
+    ///
+    /// The translation is that of the lowest corners of the boxes around the two faces. Where a joint cuts
+    /// the faces, several nodes are at one place: each goes with the one whose elements lie on the same
+    /// side of it.
+    ///
+    /// # Errors
+    /// [`EngineError::PeriodicMismatch`] names the node that lies farthest from its partner.
+    pub fn by_translation(
+        mesh: &Mesh,
+        from: &[u32],
+        to: &[u32],
+        tolerance: f64,
+    ) -> Result<Self, EngineError> {
+        ParameterError::check("tolerance", tolerance, 0.0, f64::MAX)?;
+        let position = |node: u32| {
+            let found = mesh.positions().get(node as usize).copied();
+            found.ok_or(EngineError::UnknownNode {
+                part: "a periodic pair".into(),
+                node,
+                count: mesh.node_count(),
+            })
+        };
+        let low = |nodes: &[u32]| -> Result<Vec3, EngineError> {
+            let mut low = Vec3::repeat(f64::INFINITY);
+            for &node in nodes {
+                low = low.inf(&position(node)?);
+            }
+            Ok(low)
+        };
+        let translation = low(to)? - low(from)?;
+        let (partners, worst_from) = nearest(mesh, from, to, translation);
+        let (_, worst_to) = nearest(mesh, to, from, -translation);
+        let worst = if worst_from.1 >= worst_to.1 {
+            worst_from
+        } else {
+            worst_to
+        };
+        let mut partners = partners;
+        if worst.1 <= tolerance && from.len() == to.len() && !is_one_to_one(&partners) {
+            partners = on_the_same_side(mesh, from, to, (translation, worst.1));
+        }
+        if worst.1 > tolerance || from.len() != to.len() || !is_one_to_one(&partners) {
+            return Err(EngineError::PeriodicMismatch {
+                from: from.len(),
+                to: to.len(),
+                node: mesh.node_tags().get(worst.0 as usize).copied().unwrap_or(0),
+                distance: worst.1,
+                tolerance,
+            });
+        }
+        Ok(Self {
+            pairs: from.iter().copied().zip(partners).collect(),
+        })
+    }
+
+    /// Which nodes move as one under some ties: for each tied node, the lowest of those that it moves
+    /// with (mesh indices).
+    pub fn leads<'p>(ties: impl IntoIterator<Item = &'p Self>) -> HashMap<u32, u32> {
+        fn root(leads: &HashMap<u32, u32>, mut node: u32) -> u32 {
+            while let Some(&lead) = leads.get(&node).filter(|&&lead| lead != node) {
+                node = lead;
+            }
+            node
+        }
+        let mut leads = HashMap::new();
+        for &(a, b) in ties.into_iter().flat_map(|ties| &ties.pairs) {
+            for node in [a, b] {
+                leads.entry(node).or_insert(node);
+            }
+            let (a, b) = (root(&leads, a), root(&leads, b));
+            leads.insert(a.max(b), a.min(b));
+        }
+        let nodes: Vec<u32> = leads.keys().copied().collect();
+        let found = nodes.iter().map(|&node| (node, root(&leads, node)));
+        found.collect()
+    }
+}
+
+fn is_one_to_one(partners: &[u32]) -> bool {
+    let mut sorted = partners.to_vec();
+    sorted.sort_unstable();
+    sorted.dedup();
+    sorted.len() == partners.len()
+}
+
+/// The partner of each node, and the node that is farthest from its own with that distance.
+fn nearest(mesh: &Mesh, from: &[u32], to: &[u32], translation: Vec3) -> (Vec<u32>, (u32, f64)) {
+    let position = |node: u32| mesh.positions()[node as usize];
+    let extent = to.iter().fold(
+        (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)),
+        |(low, high), &node| (low.inf(&position(node)), high.sup(&position(node))),
+    );
+    let axis = (extent.1 - extent.0).imax();
+    let mut sorted: Vec<(f64, u32)> = to.iter().map(|&n| (position(n)[axis], n)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut worst = (from.first().copied().unwrap_or(0), 0.0);
+    let partners = from
+        .iter()
+        .map(|&node| {
+            let target = position(node) + translation;
+            let middle = sorted.partition_point(|&(x, _)| x < target[axis]);
+            let mut best = (node, f64::INFINITY);
+            let mut closer = |&(x, candidate): &(f64, u32)| {
+                let distance = (position(candidate) - target).norm();
+                if distance < best.1 {
+                    best = (candidate, distance);
+                }
+                (x - target[axis]).abs() <= best.1
+            };
+            let _ = sorted[middle..].iter().all(&mut closer);
+            let _ = sorted[..middle].iter().rev().all(&mut closer);
+            if best.1 > worst.1 {
+                worst = (node, best.1);
+            }
+            best.0
+        })
+        .collect();
+    (partners, worst)
+}
+
+/// The partner of each node among those as near as the nearest one: that whose elements lie most
+/// nearly where its own do.
+fn on_the_same_side(
+    mesh: &Mesh,
+    from: &[u32],
+    to: &[u32],
+    (translation, tolerance): (Vec3, f64),
+) -> Vec<u32> {
+    let position = |node: u32| mesh.positions()[node as usize];
+    let axis = translation.try_normalize(0.0).unwrap_or_default();
+    // The middle of the elements of a node seen from it, across the translation.
+    let mut sides: HashMap<u32, (Vec3, f64)> = HashMap::new();
+    sides.extend(
+        from.iter()
+            .chain(to)
+            .map(|&node| (node, Default::default())),
+    );
+    for element in 0..mesh.element_count() as u32 {
+        for node in mesh.nodes_of(element) {
+            if let Some((sum, count)) = sides.get_mut(node) {
+                let towards = mesh.centroid(element) - position(*node);
+                *sum += towards - axis * axis.dot(&towards);
+                *count += 1.0;
+            }
+        }
+    }
+    let side = |node: u32| {
+        let (sum, count) = sides[&node];
+        sum / f64::max(count, 1.0)
+    };
+    let along = translation.iamin();
+    let mut sorted: Vec<u32> = to.to_vec();
+    sorted.sort_by(|&a, &b| position(a)[along].total_cmp(&position(b)[along]));
+    let partner = |&node: &u32| {
+        let target = position(node) + translation;
+        let reach = 2.0 * tolerance + f64::EPSILON * target.amax();
+        let first = sorted.partition_point(|&n| position(n)[along] < target[along] - reach);
+        let near = sorted[first..]
+            .iter()
+            .copied()
+            .take_while(|&n| position(n)[along] <= target[along] + reach)
+            .filter(|&n| (position(n) - target).norm() <= reach);
+        let apart = |n: u32| (side(n) - side(node)).norm();
+        near.min_by(|&a, &b| apart(a).total_cmp(&apart(b)))
+            .unwrap_or(node)
+    };
+    from.iter().map(partner).collect()
+}
