@@ -39,6 +39,7 @@ fn step(stable: &StableStep, step: f64) {
         match stable.term {
             LimitingTerm::Stiffness => "size and stiffness",
             LimitingTerm::StiffnessDamping => "stiffness damping",
+            LimitingTerm::MassDamping => "mass damping",
         },
         stable.element,
         stable.set,

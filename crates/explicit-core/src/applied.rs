@@ -87,6 +87,11 @@ impl AppliedLoads {
         }
     }
 
+    /// Whether there are loads or forces beside them.
+    pub(crate) fn any(&self) -> bool {
+        !(self.loads.is_empty() && self.standing.is_empty())
+    }
+
     /// Forces (N) that act beside the loads, one per engine node; empty if there are none.
     pub(crate) fn standing(&self) -> &[Vec3] {
         &self.standing

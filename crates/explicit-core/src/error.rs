@@ -217,6 +217,21 @@ pub enum EngineError {
         /// Entries wanted.
         expected: usize,
     },
+    /// A motion that leaves the range of numbers in single precision, in which elements are computed:
+    /// it would be lost, or become infinite.
+    #[error(
+        "the {what} of {largest:.3e} at most is outside [{least:e}, {most:e}], which is left in single precision once it is multiplied by moduli and areas"
+    )]
+    SinglePrecision {
+        /// `displacement` or `velocity`.
+        what: &'static str,
+        /// The largest component (m or m/s).
+        largest: f64,
+        /// The least permitted largest component other than zero of a body that nothing drives.
+        least: f64,
+        /// The greatest permitted component.
+        most: f64,
+    },
     /// A state of a joint that the model does not have, or has with other pairs.
     #[error("the model has no joint '{name}' of {pairs} pairs, of which the state tells")]
     UnknownJoint {

@@ -13,7 +13,9 @@ use powerhouse_model::{
 ///
 /// `dt <= (2/w) (sqrt(1 + z^2) - z)`, `z = b w / 2`
 ///
-/// for the highest frequency `w` (rad/s) and the stiffness damping coefficient `b` (s).
+/// for the highest frequency `w` (rad/s) and the stiffness damping coefficient `b` (s). Mass damping
+/// would permit any step, but a free mass that it slows down by `(2 - a dt) / (2 + a dt)` turns around
+/// in every step, hardly slower, where `a dt > 2`: far beyond critical damping steps are `2 / a` at most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Leapfrog;
 
@@ -25,11 +27,17 @@ impl TimeIntegrator for Leapfrog {
         let w = limits.highest;
         let z = 0.5 * limits.most_stiffness_damping * w;
         // sqrt(1 + z^2) - z without cancellation.
-        Ok(2.0 / (w * (z.hypot(1.0) + z)))
+        let of_stiffness = 2.0 / (w * (z.hypot(1.0) + z));
+        Ok(of_stiffness.min(2.0 / limits.most_mass_damping))
     }
     fn check(&self, limits: &FrequencyLimits, step: f64) -> Result<(), RunError> {
-        let reason = "the highest frequency and its stiffness damping";
-        refuse_above(self.name(), self.stable_step(limits)?, step, reason)
+        let limit = self.stable_step(limits)?;
+        let of_mass = limit * limits.most_mass_damping >= 2.0;
+        let reason = match of_mass {
+            true => "mass damping that turns velocities around in every step",
+            false => "the highest frequency and its stiffness damping",
+        };
+        refuse_above(self.name(), limit, step, reason)
     }
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
         dynamics.forces(ForceTerms::PLAIN, step)?;
@@ -135,6 +143,21 @@ mod tests {
             let limits = FrequencyLimits::undamped(highest).with_damping(xi, xi, alpha);
             assert!((OneSided.stable_step(&limits).unwrap() - 1.0).abs() < 1e-5);
         }
+    }
+
+    /// Mass damping shortens the step only where it would turn a free mass around.
+    #[test]
+    fn mass_damping_never_turns_a_mass_around() {
+        let step = |mass: f64| {
+            let limits = FrequencyLimits::undamped(1.0).with_damping(0.0, 0.0, mass);
+            Leapfrog.stable_step(&limits).unwrap()
+        };
+        assert_eq!((step(0.0), step(0.9)), (2.0, 2.0));
+        assert_eq!(step(100.0), 0.02);
+        let limits = FrequencyLimits::undamped(1.0).with_damping(0.0, 0.0, 100.0);
+        assert!(Leapfrog.check(&limits, 0.02).is_ok());
+        let refused = Leapfrog.check(&limits, 0.021).unwrap_err();
+        assert!(refused.to_string().contains("mass damping"), "{refused}");
     }
 
     /// The one-sided scheme refuses a set whose stiffness damping is below half the step.

@@ -22,7 +22,8 @@ pub struct StableStep {
     pub element: u64,
     /// Its set.
     pub set: String,
-    /// What limits it: its stiffness damping coefficient counts if it is above half the bound.
+    /// What limits it: its stiffness damping coefficient counts if it is above half the bound,
+    /// mass damping if it alone permits no longer step.
     pub term: LimitingTerm,
     /// Elements whose bound is within 5 % of it.
     pub similar_elements: usize,
@@ -91,6 +92,9 @@ impl Model {
             report.set = set.into();
             if damping > 0.5 * step {
                 report.term = LimitingTerm::StiffnessDamping;
+            }
+            if limits.most_mass_damping * report.step > 1.99 {
+                report.term = LimitingTerm::MassDamping;
             }
             report.similar_elements = bounds.iter().filter(|b| b.0 <= 1.05 * step).count();
             let others = bounds.iter().filter(|b| b.3 != set).map(|b| b.0);

@@ -138,6 +138,11 @@ fn the_report_names_who_limits() {
     let damped = build(report.step).stable_step(&Leapfrog).unwrap();
     assert_eq!(damped.term, LimitingTerm::StiffnessDamping);
     assert!(damped.step < report.step);
+    let concrete = Links::new("concrete", ElementKind::Hex8, 36.0e9, 0.3, 2700.0);
+    let all: Vec<u32> = (0..64).collect();
+    let stopped = Model::builder(&mesh).elements(all, concrete.damped(1e9, 0.0).boxed());
+    let stopped = stopped.build().unwrap().stable_step(&Leapfrog).unwrap();
+    assert_eq!((stopped.term, stopped.step), (LimitingTerm::MassDamping, 2e-9));
 }
 
 /// The one-sided scheme with a stiffness damping of half a step is the undamped leapfrog, bit for

@@ -247,6 +247,8 @@ pub enum LimitingTerm {
     Stiffness,
     /// Its stiffness damping.
     StiffnessDamping,
+    /// Its mass damping, far beyond critical.
+    MassDamping,
 }
 
 /// The highest natural frequency that one element can have alone.

@@ -8,8 +8,8 @@ use powerhouse_model::{
 };
 
 use super::Model;
-use crate::EngineError;
 use crate::nodes::{Storage, with_nodes};
+use crate::{EngineError, Precision};
 
 impl Model {
     /// Displacement (m) of a mesh node.
@@ -80,12 +80,20 @@ impl Model {
     ///
     /// # Errors
     /// [`EngineError::State`] for a wrong length or a number that is not finite,
+    /// [`EngineError::SinglePrecision`] for one that elements in single precision cannot take,
     /// [`EngineError::TiedVelocity`] if nodes that move as one do not start as one.
     pub fn set_initial(
         &mut self,
         displacement: &[Vec3],
         velocity: &[Vec3],
     ) -> Result<(), ModelError> {
+        if self.precision != Precision::F64 {
+            // What is driven may start as still as it likes.
+            let driven = self.loads.any() || !self.prescribed.is_empty();
+            let least = if driven { 0.0 } else { LEAST_SINGLE };
+            check_single("displacement", displacement, least)?;
+            check_single("velocity", velocity, least)?;
+        }
         let held: Vec<Vec3> = velocity
             .iter()
             .enumerate()
@@ -324,6 +332,27 @@ impl Model {
             arrays.external.resize(nodes, Quad::default());
         });
     }
+}
+
+/// The range of motions (m, m/s) whose stresses and forces are numbers of single precision, 1e-38 to
+/// 1e38, whatever moduli and areas they are multiplied by.
+const LEAST_SINGLE: f64 = 1e-24;
+const MOST_SINGLE: f64 = 1e24;
+
+/// Refuses a motion whose forces leave the range of single precision. What is not finite is refused
+/// elsewhere.
+fn check_single(what: &'static str, values: &[Vec3], least: f64) -> Result<(), EngineError> {
+    let most = MOST_SINGLE;
+    let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.amax()));
+    if largest == 0.0 || largest.is_infinite() || (least..=most).contains(&largest) {
+        return Ok(());
+    }
+    Err(EngineError::SinglePrecision {
+        what,
+        largest,
+        least,
+        most,
+    })
 }
 
 /// Joins the fields of blocks of one set.

@@ -197,6 +197,7 @@ impl Summary {
                 term: match stable.term {
                     LimitingTerm::Stiffness => "stiffness",
                     LimitingTerm::StiffnessDamping => "stiffness damping",
+                    LimitingTerm::MassDamping => "mass damping",
                 },
             }),
             stages: results.stages.iter().map(Stage::new).collect(),
