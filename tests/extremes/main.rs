@@ -1,5 +1,8 @@
-//! Long runs: the stable step, what must not lower it, and the account of energies.
+//! Long runs: the stable step, what must not lower it, the account of energies, and the atlas of
+//! extremes.
 
+mod atlas;
 mod energy;
 mod joints;
 mod stable_step;
+mod true_step;

@@ -14,7 +14,7 @@ const SIZE: Vec3 = Vec3::new(10.0, 8.0, 6.0);
 const FACES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 
 /// A number from -1 to 1 that depends on an index in no simple way.
-fn scatter(index: usize) -> f64 {
+pub(crate) fn scatter(index: usize) -> f64 {
     let x = (index as f64 * 12.9898 + 0.37).sin() * 43758.547;
     2.0 * (x - x.floor()) - 1.0
 }
