@@ -46,6 +46,23 @@ pub enum StudyError {
         /// The folder.
         folder: PathBuf,
     },
+    /// A scene that records nothing by which runs could be compared.
+    #[error("the scene records no history to compare runs by: name some under [[output.history]]")]
+    NoHistories,
+    /// A scene of which the answer is not known.
+    #[error("the scene has no closed form: {reason}")]
+    NoClosedForm {
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A scene that cannot be written as a file.
+    #[error("{}: {source}", file.display())]
+    Unwritable {
+        /// The file that it came from.
+        file: PathBuf,
+        /// Why.
+        source: Box<toml::ser::Error>,
+    },
     /// A scene that was edited while its cases ran.
     #[error("{} was edited while its cases ran: what is finished is of the old one", file.display())]
     Changed {

@@ -5,7 +5,7 @@
 //! carry, the stable step and who limits it, and what a run will cost. [`FreeFieldCheck`] computes
 //! the scene's box without the structure and compares it with the field that comes in: what is left
 //! is the error of mesh, step and boundary, on which no result of the scene can improve. [`mod@sweep`]
-//! runs the cases of a scene, [`write_report`] tells of them on one page, and [`bay`] makes the mesh of
+//! runs the cases of a scene, [`trade`] finds what accuracy costs it, [`write_report`] tells of them on one page, and [`bay`] makes the mesh of
 //! a machine bay, which scenes name through [`registry`].
 //!
 //! [`OpeningSlice`] and [`ShellOctant`] are meshes of ground around a round opening, for studies of
@@ -29,6 +29,7 @@ mod error;
 mod excerpt;
 mod free_field;
 mod joints;
+mod mark;
 mod names;
 mod opening_slice;
 mod report;
@@ -38,6 +39,7 @@ mod sensitivity;
 mod shell_octant;
 mod sides;
 pub mod sweep;
+pub mod trade;
 
 pub use check::{CheckReport, Warning, check, warnings};
 pub use conclusions::{Conclusion, Verdict, conclusions};

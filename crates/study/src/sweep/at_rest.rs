@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use powerhouse::model::Mesh;
 use powerhouse::{BodyAtRest, Scene};
 
-use super::mark::Checksum;
 use crate::StudyError;
+use crate::mark::Checksum;
 
 /// The folder of the files of bodies in that of a sweep.
 const FOLDER: &str = "at-rest";

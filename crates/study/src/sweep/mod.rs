@@ -17,7 +17,6 @@ mod at_rest;
 mod contact;
 mod damage;
 mod input;
-mod mark;
 mod outcome;
 mod pictures;
 mod table;
@@ -35,12 +34,12 @@ use powerhouse::{
     format,
 };
 
+use crate::mark::{Mark, inputs};
 use crate::{StudyError, registry};
 use at_rest::Bodies;
 pub use contact::{JointAndLining, JointCase};
 pub use damage::PartDamage;
 pub use input::{CaseInput, CaseWave};
-use mark::Mark;
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 
 /// The file of a case's outcome in its folder.
@@ -284,40 +283,6 @@ impl Sweep {
         write(MARK, &|file| write_summary(file, &self.mark))?;
         // As another sweep would find it: a number may lose its last bit in a file.
         CaseOutcome::read(&path.join(OUTCOME))
-    }
-}
-
-fn read(file: &Path) -> Result<Vec<u8>, StudyError> {
-    std::fs::read(file).map_err(|source| StudyError::Read {
-        file: file.into(),
-        source,
-    })
-}
-
-/// The bytes of the files that a scene names, mesh, records and others: of every text in it that is
-/// the path of a file.
-fn inputs(path: &Path, text: &str) -> Result<Vec<Vec<u8>>, StudyError> {
-    let table: toml::Table = toml::from_str(text).map_err(|source| StudyError::BayFile {
-        file: path.into(),
-        source: Box::new(source),
-    })?;
-    let mut texts = Vec::new();
-    table.values().for_each(|value| texts_in(value, &mut texts));
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let files = texts.into_iter().map(|text| folder.join(text));
-    files
-        .filter(|file| file.is_file())
-        .map(|file| read(&file))
-        .collect()
-}
-
-/// All texts in a value.
-fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
-    match value {
-        toml::Value::String(text) => texts.push(text.clone()),
-        toml::Value::Array(items) => items.iter().for_each(|item| texts_in(item, texts)),
-        toml::Value::Table(table) => table.values().for_each(|item| texts_in(item, texts)),
-        _ => {}
     }
 }
 

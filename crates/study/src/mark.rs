@@ -4,9 +4,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::StudyError;
+
 /// What a case was computed from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Mark {
+pub(crate) struct Mark {
     /// The software and its version.
     software: String,
     /// The scene and the files beside it that it names, as a checksum of their bytes.
@@ -18,7 +20,7 @@ pub(super) struct Mark {
 
 impl Mark {
     /// The mark of a scene, of files by their bytes, and of a duration of its own.
-    pub(super) fn of(scene: &str, files: &[Vec<u8>], duration: Option<f64>) -> Self {
+    pub(crate) fn of(scene: &str, files: &[Vec<u8>], duration: Option<f64>) -> Self {
         let mut sum = Checksum::default();
         sum.add(scene.as_bytes());
         files.iter().for_each(|bytes| sum.add(bytes));
@@ -30,15 +32,49 @@ impl Mark {
     }
 
     /// Whether a file holds this mark.
-    pub(super) fn is_in(&self, file: &Path) -> bool {
+    pub(crate) fn is_in(&self, file: &Path) -> bool {
         let text = std::fs::read(file).unwrap_or_default();
         let found: Option<Self> = serde_json::from_slice(&text).ok();
         found.as_ref() == Some(self)
     }
 }
 
+/// The bytes of the files that a scene names, mesh, records and others: of every text in it that is
+/// the path of a file.
+pub(crate) fn inputs(path: &Path, text: &str) -> Result<Vec<Vec<u8>>, StudyError> {
+    let table: toml::Table = toml::from_str(text).map_err(|source| StudyError::BayFile {
+        file: path.into(),
+        source: Box::new(source),
+    })?;
+    let mut texts = Vec::new();
+    table.values().for_each(|value| texts_in(value, &mut texts));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let files = texts.into_iter().map(|text| folder.join(text));
+    files
+        .filter(|file| file.is_file())
+        .map(|file| read(&file))
+        .collect()
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, StudyError> {
+    std::fs::read(file).map_err(|source| StudyError::Read {
+        file: file.into(),
+        source,
+    })
+}
+
+/// All texts in a value.
+fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
+    match value {
+        toml::Value::String(text) => texts.push(text.clone()),
+        toml::Value::Array(items) => items.iter().for_each(|item| texts_in(item, texts)),
+        toml::Value::Table(table) => table.values().for_each(|item| texts_in(item, texts)),
+        _ => {}
+    }
+}
+
 /// FNV-1a over 64 bits (Fowler, Noll & Vo): tells an edited file from the old one, not a forged one.
-pub(super) struct Checksum(u64);
+pub(crate) struct Checksum(u64);
 
 impl Default for Checksum {
     fn default() -> Self {
@@ -48,7 +84,7 @@ impl Default for Checksum {
 
 impl Checksum {
     /// Goes on over these bytes.
-    pub(super) fn add(&mut self, bytes: &[u8]) {
+    pub(crate) fn add(&mut self, bytes: &[u8]) {
         // The length too, so that bytes cannot wander from one file into the next.
         let length = (bytes.len() as u64).to_le_bytes();
         for &byte in length.iter().chain(bytes) {
@@ -57,7 +93,7 @@ impl Checksum {
     }
 
     /// The sum as text.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         format!("{:016x}", self.0)
     }
 }

@@ -1,0 +1,180 @@
+//! `powerhouse trade`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use powerhouse::ProgressHook;
+use powerhouse_study::StudyError;
+use powerhouse_study::trade::{Goal, Reference, Trade, TradeCase, TradeReport, TradeWatch};
+
+use crate::progress::Display;
+use crate::{INTERRUPTED, Outcome, WARNED, stop};
+
+/// Tells on the terminal how a trade goes.
+struct Told {
+    display: Option<Display>,
+}
+
+impl TradeWatch for Told {
+    fn before(&mut self, runs: usize, window: f64, at_most: Duration) {
+        println!(
+            "at most {runs} runs of {window} s, {} in all, stages aside",
+            time(at_most.as_secs_f64())
+        );
+    }
+    fn begins(&mut self, name: &str, place: usize) {
+        println!("run {place}: {name}");
+    }
+    fn kept(&mut self, _name: &str) {
+        println!("  finished before");
+    }
+    fn progress(&mut self) -> Option<ProgressHook<'static>> {
+        let display = Display::new("run");
+        let hook = display.hook();
+        self.display = Some(display);
+        Some(hook)
+    }
+    fn fails(&mut self, _name: &str, error: &StudyError) {
+        if let Some(display) = self.display.take() {
+            display.clear();
+        }
+        println!("  {error}");
+    }
+    fn ends(&mut self, case: &TradeCase) {
+        if let Some(display) = self.display.take() {
+            display.clear();
+        }
+        let cost = &case.cost;
+        println!(
+            "  error {:.2e} ({}), whole run {}: {} steps of {:.3e} s, {:.3e} s each",
+            case.error,
+            case.worst,
+            time(cost.wall_time()),
+            cost.steps,
+            cost.step,
+            cost.time_of_step
+        );
+    }
+}
+
+/// A time (s) in the unit that suits it.
+fn time(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.1} s"),
+        s if s < 5400.0 => format!("{:.1} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// Reads a time with its unit, such as `90s`, `2min` or `1.5h`; a bare number is in seconds.
+pub(crate) fn budget(text: &str) -> Result<f64, String> {
+    let units = [("min", 60.0), ("h", 3600.0), ("s", 1.0)];
+    let unit = units.iter().find(|(unit, _)| text.ends_with(unit));
+    let (number, scale) = unit.map_or((text, 1.0), |(unit, scale)| {
+        (text.trim_end_matches(unit), *scale)
+    });
+    positive(number, scale).ok_or_else(|| "a time such as 90s, 2min or 1.5h".into())
+}
+
+/// Reads an error, such as `2%` or `0.02`.
+pub(crate) fn error(text: &str) -> Result<f64, String> {
+    let (number, scale) = match text.strip_suffix('%') {
+        Some(number) => (number, 0.01),
+        None => (text, 1.0),
+    };
+    positive(number, scale).ok_or_else(|| "an error such as 2% or 0.02".into())
+}
+
+fn positive(number: &str, scale: f64) -> Option<f64> {
+    let value = scale * number.trim().parse::<f64>().ok()?;
+    (value.is_finite() && value > 0.0).then_some(value)
+}
+
+/// Runs a scene over what it leaves to choose; the exit status is 1 if no run meets the goal.
+pub(crate) fn trade(
+    scene: &Path,
+    out: Option<PathBuf>,
+    reference: Reference,
+    goal: Goal,
+    window: Option<f64>,
+) -> Outcome {
+    let mut trade = Trade::of_file(scene, out)?.against(reference);
+    if let Some(window) = window {
+        trade = trade.window(window);
+    }
+    for factor in trade.factors() {
+        let names: Vec<&str> = factor
+            .levels
+            .iter()
+            .map(|level| level.name.as_str())
+            .collect();
+        println!("{}: {}", factor.name, names.join(" | "));
+    }
+    let mut told = Told { display: None };
+    let found = trade.run(goal, Some(&stop::flag()?), &mut told);
+    if let Some(display) = told.display.take() {
+        display.clear();
+    }
+    match found {
+        Ok(report) => {
+            tell(&report);
+            Ok(if goal != Goal::Front && report.chosen.is_none() {
+                println!("no run meets what was asked for");
+                ExitCode::from(WARNED)
+            } else {
+                ExitCode::SUCCESS
+            })
+        }
+        Err(StudyError::Interrupted) => {
+            println!("interrupted: what is finished stays, another trade goes on from there");
+            Ok(ExitCode::from(INTERRUPTED))
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn tell(report: &TradeReport) {
+    println!("\nfront, the cheapest first");
+    for &place in &report.front {
+        let case = &report.cases[place];
+        println!(
+            "  {:>9}  error {:.2e}  {:5.0} MB  {}",
+            time(case.cost.wall_time()),
+            case.error,
+            case.cost.memory as f64 / 1e6,
+            case.name
+        );
+    }
+    println!(
+        "error of the reference {:.1e}, on this mesh",
+        report.reference_error
+    );
+    if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
+        println!("chosen: {}", case.name);
+    }
+    println!("\nfiles");
+    for file in &report.files {
+        println!("  {}", file.display());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Budgets and errors are read with their units; what is none is refused.
+    #[test]
+    fn budgets_and_errors_have_units() {
+        assert_eq!(budget("2min"), Ok(120.0));
+        assert_eq!(budget("90s"), Ok(90.0));
+        assert_eq!(budget("1.5h"), Ok(5400.0));
+        assert_eq!(budget("7"), Ok(7.0));
+        assert_eq!(error("2%"), Ok(0.02));
+        assert_eq!(error("0.02"), Ok(0.02));
+        for wrong in ["", "-1s", "nan", "0", "2 weeks"] {
+            assert!(budget(wrong).is_err(), "{wrong}");
+        }
+        assert!(error("all").is_err());
+    }
+}

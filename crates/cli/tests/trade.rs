@@ -1,0 +1,77 @@
+//! `powerhouse trade`: output and exit status.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn powerhouse(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_powerhouse"));
+    command.args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A folder with the coarse cavern in it.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new() -> Self {
+        let folder =
+            std::env::temp_dir().join(format!("powerhouse-cli-trade-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        let data = data.canonicalize().unwrap().display().to_string();
+        let scene = std::fs::read_to_string(format!("{data}/scenes/cavern_small.toml")).unwrap();
+        let scene = scene.replace("\"../", &format!("\"{data}/"));
+        std::fs::write(folder.join("scene.toml"), scene).unwrap();
+        Self(folder)
+    }
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A trade says what it offers and what it will cost, prints its front and writes the scene that it chose,
+/// which is one; nothing is run twice; a wish that no run grants ends with status 1, one that is none
+/// with status 2.
+#[test]
+fn trade_writes_the_scene_that_meets_a_wish() {
+    let folder = Folder::new();
+    let (scene, out) = (folder.path("scene.toml"), folder.path("out"));
+    let trade = |wish: &[&str]| {
+        let fixed = ["trade", &scene, "--window", "0.01", "--out", &out];
+        powerhouse(&[&fixed, wish].concat())
+    };
+    let done = trade(&["--budget", "100h"]);
+    let (told, errors) = (text(&done.stdout), text(&done.stderr));
+    assert_eq!(done.status.code(), Some(0), "{told} {errors}");
+    for passage in [
+        "kernel: hex8-full | hex8-full and hex8-one-point | hex8-one-point",
+        "precision: f64 | mixed | f32",
+        "runs of 0.01 s",
+        "run 1: reference",
+        "front, the cheapest first",
+        "chosen: reference",
+        "trade.svg",
+    ] {
+        assert!(told.contains(passage), "{passage}: {told}");
+    }
+    let chosen = folder.path("scene_trade.toml");
+    let written = std::fs::read_to_string(&chosen).unwrap();
+    assert!(written.starts_with("# scene.toml: reference."), "{written}");
+    assert!(written.contains("kernel = \"hex8-full\"") && written.contains("safety = 0.5"));
+    assert!(Path::new(&out).join("trade.csv").is_file());
+
+    let again = trade(&["--error", "1e-9"]);
+    assert_eq!(again.status.code(), Some(1), "{}", text(&again.stderr));
+    let told = text(&again.stdout);
+    assert!(told.contains("finished before") && told.contains("no run meets what was asked for"));
+    assert_eq!(trade(&["--error", "-2%"]).status.code(), Some(2));
+}

@@ -1,0 +1,98 @@
+//! The closed form of a scene without a structure: the field that comes in.
+
+use powerhouse::engine::observe::Place;
+use powerhouse::io::TableColumn;
+use powerhouse::model::{FieldMotion, Vec3};
+use powerhouse::{Damping, Error, Scene};
+
+use crate::StudyError;
+
+/// The field's motion at the histories of a scene, at some times (s).
+///
+/// # Errors
+/// [`StudyError::NoClosedForm`] for a scene whose answer is not its field.
+pub(super) fn closed_form(scene: &Scene, times: &[f64]) -> Result<Vec<TableColumn>, StudyError> {
+    let refused = |reason| StudyError::NoClosedForm { reason };
+    let field = scene.incident_field().ok_or(refused("no field comes in"))?;
+    if scene.absorbing_boundary().is_none() {
+        return Err(refused("it has no absorbing boundary"));
+    }
+    if scene.joints().next().is_some() || !scene.stages().is_empty() {
+        return Err(refused("it has joints or stages"));
+    }
+    let of_field = |part: &powerhouse::Part| {
+        part.material.is_linear()
+            && part.material.medium() == field.medium()
+            && part.damping == Damping::None
+    };
+    if !scene.parts().iter().all(of_field) {
+        return Err(refused(
+            "a part is not the undamped elastic ground of its field",
+        ));
+    }
+    let mut columns = vec![TableColumn::new("time", "s", times.to_vec())];
+    for wish in &scene.output_plan().histories {
+        let points = points(scene, &wish.place)?;
+        let sampler = field.prepare(&points).map_err(Error::from)?;
+        let mut motions = vec![FieldMotion::default(); points.len()];
+        let mut found = [const { Vec::new() }; 6];
+        for &time in times {
+            motions.fill(FieldMotion::default());
+            sampler.add_motion(time, &mut motions);
+            let share = 1.0 / points.len() as f64;
+            let mean = |of: fn(&FieldMotion) -> Vec3| -> Vec3 {
+                motions.iter().map(of).sum::<Vec3>() * share
+            };
+            let (u, v) = (mean(|m| m.displacement), mean(|m| m.velocity));
+            for axis in 0..3 {
+                found[axis].push(u[axis]);
+                found[3 + axis].push(v[axis]);
+            }
+        }
+        let names = ["ux", "uy", "uz", "vx", "vy", "vz"];
+        for (place, (name, values)) in names.into_iter().zip(found).enumerate() {
+            let (wanted, unit) = match place {
+                0..3 => (wish.motion.displacement, "m"),
+                _ => (wish.motion.velocity, "m/s"),
+            };
+            if wanted {
+                columns.push(TableColumn::new(
+                    format!("{}.{name}", wish.name),
+                    unit,
+                    values,
+                ));
+            }
+        }
+    }
+    Ok(columns)
+}
+
+/// The points whose mean motion a place has.
+fn points(scene: &Scene, place: &Place) -> Result<Vec<Vec3>, StudyError> {
+    let mesh = scene.mesh();
+    let of = |nodes: &[u32]| {
+        nodes
+            .iter()
+            .map(|&n| mesh.positions()[n as usize])
+            .collect()
+    };
+    Ok(match place {
+        Place::Spot(spot) => vec![spot.position],
+        Place::Node(tag) => {
+            let known = mesh.node_tags().iter().position(|other| other == tag);
+            known
+                .map(|node| vec![mesh.positions()[node]])
+                .unwrap_or_default()
+        }
+        Place::NodeSet(name) => {
+            if let Ok(nodes) = mesh.node_set(name) {
+                of(nodes)
+            } else if let Ok(facets) = mesh.facet_set(name) {
+                of(&mesh.nodes_of_facets(facets))
+            } else {
+                let elements = mesh.element_set(name).map_err(Error::from)?;
+                of(&mesh.nodes_of_elements(elements))
+            }
+        }
+    })
+}

@@ -1,0 +1,306 @@
+//! What a scene leaves to choose, as changes of its file.
+
+use powerhouse::Scene;
+use powerhouse::model::ElementKind;
+use toml::{Table, Value};
+
+/// The kernels of bricks, the one with most points first.
+const FULL: &str = "hex8-full";
+const ONE_POINT: &str = "hex8-one-point";
+/// Keys that belong to springs, not to dashpots alone.
+const OF_SPRINGS: [&str; 7] = ["a", "b", "distance", "x", "y", "z", "spreading"];
+/// A spectrum of flat damping cannot be narrower.
+const NARROWEST_BAND: f64 = 1.5;
+
+/// What a level changes of a scene's file.
+#[derive(Clone, Debug, PartialEq)]
+enum Change {
+    /// Nothing: the scene as it stands.
+    Nothing,
+    /// A key of a table at the top, or at the top itself.
+    Set(Option<&'static str>, &'static str, Value),
+    /// The kernel of every part.
+    Kernel(&'static str),
+    /// Dashpots without springs.
+    Dashpots,
+    /// Flat damping in place of Rayleigh's, over the band of its two frequencies; or none.
+    Damping { flat: bool },
+}
+
+/// One way to do what a factor leaves open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Its name, such as `mixed`.
+    pub name: String,
+    change: Change,
+}
+
+impl Level {
+    fn new(name: impl Into<String>, change: Change) -> Self {
+        let name = name.into();
+        Self { name, change }
+    }
+    fn own(name: impl Into<String>) -> Self {
+        Self::new(name, Change::Nothing)
+    }
+
+    /// Changes a scene's file.
+    pub(super) fn apply(&self, file: &mut Table) {
+        match &self.change {
+            Change::Nothing => {}
+            Change::Set(None, key, value) => {
+                file.insert((*key).into(), value.clone());
+            }
+            Change::Set(Some(section), key, value) => {
+                let section = file.entry(*section).or_insert_with(|| Table::new().into());
+                if let Value::Table(table) = section {
+                    table.insert((*key).into(), value.clone());
+                }
+            }
+            Change::Kernel(kernel) => {
+                for part in tables(file, "part") {
+                    part.insert("kernel".into(), (*kernel).into());
+                }
+            }
+            Change::Dashpots => {
+                if let Some(Value::Table(boundary)) = file.get_mut("boundary") {
+                    boundary.insert("kind".into(), "viscous".into());
+                    OF_SPRINGS.iter().for_each(|key| {
+                        boundary.remove(*key);
+                    });
+                }
+            }
+            Change::Damping { flat } => {
+                for part in tables(file, "part") {
+                    let Some((ratio, band)) = rayleigh(part) else {
+                        continue;
+                    };
+                    part.remove("damping");
+                    if *flat {
+                        let mut damping = Table::new();
+                        damping.insert("kind".into(), "flat".into());
+                        damping.insert("ratio".into(), ratio.into());
+                        damping.insert("band".into(), band.to_vec().into());
+                        part.insert("damping".into(), damping.into());
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Something that a scene leaves to choose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factor {
+    /// Its name, such as `precision`.
+    pub name: &'static str,
+    /// The ways to do it, the most accurate first.
+    pub levels: Vec<Level>,
+    /// That of the scene as it stands.
+    pub own: usize,
+}
+
+/// What a scene leaves to choose, what matters most first.
+pub(super) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
+    let found = [
+        kernel(scene),
+        step(file),
+        boundary(file),
+        input(scene, file),
+        damping(file),
+        precision(file),
+        output(scene, file),
+    ];
+    found.into_iter().flatten().collect()
+}
+
+/// The kernels that bricks may have, if there are bricks.
+fn kernel(scene: &Scene) -> Option<Factor> {
+    let mesh = scene.mesh();
+    let mut names = Vec::new();
+    for part in scene.parts() {
+        let elements = mesh.element_set(&part.set).ok()?;
+        if !elements.iter().any(|&e| mesh.kind(e) == ElementKind::Hex8) {
+            continue;
+        }
+        let own = part.kernel.as_ref();
+        let own = own.filter(|kernel| kernel.kind() == ElementKind::Hex8);
+        names.push(own.map_or(ONE_POINT, |kernel| kernel.name()).to_owned());
+    }
+    names.sort_unstable();
+    names.dedup();
+    let own = match &names[..] {
+        [] => return None,
+        [name] => name.clone(),
+        several => several.join(" and "),
+    };
+    let mut levels = vec![
+        Level::new(FULL, Change::Kernel(FULL)),
+        Level::new(ONE_POINT, Change::Kernel(ONE_POINT)),
+    ];
+    let known = levels.iter().position(|level| level.name == own);
+    let place = known.unwrap_or_else(|| {
+        levels.insert(1, Level::own(own));
+        1
+    });
+    levels[place].change = Change::Nothing;
+    Some(Factor {
+        name: "kernel",
+        levels,
+        own: place,
+    })
+}
+
+/// The scene's share of the stable step, and half of it; nothing if the step is given in seconds.
+fn step(file: &Table) -> Option<Factor> {
+    let time = file.get("time")?.as_table()?;
+    if time
+        .get("step")
+        .is_some_and(|step| step.as_str() != Some("auto"))
+    {
+        return None;
+    }
+    let own = time.get("safety").and_then(number).unwrap_or(1.0);
+    let finer = Change::Set(Some("time"), "safety", Value::Float(0.5 * own));
+    Some(Factor {
+        name: "step",
+        levels: vec![
+            Level::new(format!("{} of the stable", 0.5 * own), finer),
+            Level::own(format!("{own} of the stable")),
+        ],
+        own: 1,
+    })
+}
+
+/// Springs and dashpots, or dashpots alone.
+fn boundary(file: &Table) -> Option<Factor> {
+    let boundary = file.get("boundary")?.as_table()?;
+    if boundary.get("kind")?.as_str()? != "viscous-spring" {
+        return None;
+    }
+    Some(Factor {
+        name: "boundary",
+        levels: vec![
+            Level::own("viscous-spring"),
+            Level::new("viscous", Change::Dashpots),
+        ],
+        own: 0,
+    })
+}
+
+/// The full field on every face, or the incident wave alone at the bottom.
+fn input(scene: &Scene, file: &Table) -> Option<Factor> {
+    scene.incident_field()?;
+    let boundary = file.get("boundary")?.as_table()?;
+    let input = boundary.get("input");
+    if input.is_some_and(|input| input.as_str() != Some("full-field")) {
+        return None;
+    }
+    let faces = boundary.get("faces")?.as_array()?;
+    if !faces.iter().any(|face| face.as_str() == Some("bottom")) {
+        return None;
+    }
+    let mut incident = Table::new();
+    incident.insert("incident-only".into(), vec!["bottom"].into());
+    let incident = Change::Set(Some("boundary"), "input", incident.into());
+    Some(Factor {
+        name: "input",
+        levels: vec![
+            Level::own("full field"),
+            Level::new("incident wave at the bottom", incident),
+        ],
+        own: 0,
+    })
+}
+
+/// Rayleigh damping, flat damping over the same band, or none.
+fn damping(file: &Table) -> Option<Factor> {
+    let parts = file.get("part")?.as_array()?;
+    let bands: Vec<[f64; 2]> = (parts.iter())
+        .filter_map(|part| rayleigh(part.as_table()?))
+        .map(|(_, band)| band)
+        .collect();
+    let wide = bands
+        .iter()
+        .all(|[low, high]| *high >= NARROWEST_BAND * low);
+    if bands.is_empty() || !wide {
+        return None;
+    }
+    Some(Factor {
+        name: "damping",
+        levels: vec![
+            Level::own("rayleigh"),
+            Level::new("flat", Change::Damping { flat: true }),
+            Level::new("none", Change::Damping { flat: false }),
+        ],
+        own: 0,
+    })
+}
+
+fn precision(file: &Table) -> Option<Factor> {
+    const FORMATS: [&str; 3] = ["f64", "mixed", "f32"];
+    let own = file.get("precision").map_or(Some("f64"), Value::as_str)?;
+    let own = FORMATS.iter().position(|format| *format == own)?;
+    let level =
+        |format: &'static str| Level::new(format, Change::Set(None, "precision", format.into()));
+    Some(Factor {
+        name: "precision",
+        levels: FORMATS.map(level).into(),
+        own,
+    })
+}
+
+/// The time between samples, and two and four times that.
+fn output(scene: &Scene, file: &Table) -> Option<Factor> {
+    file.get("output")?.as_table()?;
+    let own = scene.output_plan().every;
+    let level = |times: f64| {
+        let every = times * own;
+        let change = Change::Set(Some("output"), "every", Value::Float(every));
+        Level::new(format!("every {every} s"), change)
+    };
+    let mut levels: Vec<Level> = [1.0, 2.0, 4.0].map(level).into();
+    levels[0].change = Change::Nothing;
+    Some(Factor {
+        name: "output",
+        levels,
+        own: 0,
+    })
+}
+
+/// The tables of an array of them.
+fn tables<'a>(file: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
+    let array = file.get_mut(key).and_then(Value::as_array_mut);
+    array.into_iter().flatten().filter_map(Value::as_table_mut)
+}
+
+/// Ratio and frequencies (Hz) of the Rayleigh damping of a part.
+fn rayleigh(part: &Table) -> Option<(f64, [f64; 2])> {
+    let damping = part.get("damping")?.as_table()?;
+    if damping.get("kind")?.as_str()? != "rayleigh" {
+        return None;
+    }
+    let frequencies = damping.get("frequencies")?.as_array()?;
+    let frequency = |place: usize| number(frequencies.get(place)?);
+    Some((
+        number(damping.get("ratio")?)?,
+        [frequency(0)?, frequency(1)?],
+    ))
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value
+        .as_float()
+        .or_else(|| value.as_integer().map(|x| x as f64))
+}
+
+/// Factors of so many levels each, which change nothing.
+#[cfg(test)]
+pub(super) fn test_factors(levels: &[usize]) -> Vec<Factor> {
+    let factor = |&count: &usize| Factor {
+        name: "factor",
+        levels: (0..count).map(|i| Level::own(i.to_string())).collect(),
+        own: 0,
+    };
+    levels.iter().map(factor).collect()
+}

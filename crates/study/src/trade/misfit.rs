@@ -1,0 +1,128 @@
+//! How far the histories of a run are from those of another.
+
+use powerhouse::io::TableColumn;
+
+/// Histories below this share of the largest of their unit are measured against that share of it.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// How far histories are from their reference.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Misfit {
+    /// The worst relative L2 difference.
+    pub(super) error: f64,
+    /// The history that has it.
+    pub(super) name: String,
+}
+
+/// The relative L2 differences of all histories from their reference; the components of one motion at
+/// one place count together. The first column of both tables is time; what the reference lacks is passed
+/// over.
+pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit {
+    let mut groups: Vec<Group> = Vec::new();
+    let ([time, columns @ ..], [other, others @ ..]) = (reference, found) else {
+        return Misfit {
+            error: f64::INFINITY,
+            name: String::new(),
+        };
+    };
+    for column in columns {
+        let Some(same) = others.iter().find(|other| other.name == column.name) else {
+            continue;
+        };
+        let stem = column.name.rsplit_once('.').map_or("", |(stem, _)| stem);
+        let known = |group: &Group| group.stem == stem && group.unit == column.unit;
+        let place = groups.iter().position(known).unwrap_or_else(|| {
+            groups.push(Group::new(stem, &column.unit));
+            groups.len() - 1
+        });
+        for (instant, value) in time.values.iter().zip(&column.values) {
+            if let Some(at) = interpolate(&other.values, &same.values, *instant) {
+                groups[place].difference += (at - value).powi(2);
+                groups[place].size += value.powi(2);
+            }
+        }
+    }
+    let mut worst = Misfit {
+        error: 0.0,
+        name: String::new(),
+    };
+    for group in &groups {
+        let of_unit = groups.iter().filter(|other| other.unit == group.unit);
+        let largest = of_unit.fold(0.0, |most, other| other.size.max(most));
+        let size = group.size.max(LEAST_SHARE.powi(2) * largest);
+        let error = match group.difference {
+            0.0 => 0.0,
+            difference => (difference / size).sqrt(),
+        };
+        if error >= worst.error || error.is_nan() {
+            worst = Misfit {
+                error,
+                name: format!("{} [{}]", group.stem, group.unit),
+            };
+        }
+    }
+    worst
+}
+
+/// Squares summed over the components of one motion at one place.
+struct Group {
+    stem: String,
+    unit: String,
+    difference: f64,
+    size: f64,
+}
+
+impl Group {
+    fn new(stem: &str, unit: &str) -> Self {
+        Self {
+            stem: stem.into(),
+            unit: unit.into(),
+            difference: 0.0,
+            size: 0.0,
+        }
+    }
+}
+
+/// The value at a time, linear between samples; none outside of them.
+fn interpolate(times: &[f64], values: &[f64], time: f64) -> Option<f64> {
+    let after = times.partition_point(|&known| known < time);
+    let (&end, &at_end) = (times.get(after)?, values.get(after)?);
+    if end == time {
+        return Some(at_end);
+    }
+    let before = after.checked_sub(1)?;
+    let (start, at_start) = (times[before], *values.get(before)?);
+    Some(at_start + (time - start) / (end - start) * (at_end - at_start))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(times: &[f64], scale: f64) -> Vec<TableColumn> {
+        let of = |f: fn(f64) -> f64, scale: f64| times.iter().map(|&t| scale * f(t)).collect();
+        vec![
+            TableColumn::new("time", "s", times.to_vec()),
+            TableColumn::new("a.ux", "m", of(|t| 3.0 * t, scale)),
+            TableColumn::new("a.uy", "m", of(|t| 4.0 * t, scale)),
+            TableColumn::new("b.ux", "m", of(|t| 1e-9 * t, 2.0)),
+        ]
+    }
+
+    /// A history that is a hundredth too large is off by a hundredth, whatever times it is sampled at;
+    /// one that hardly moves counts against the largest.
+    #[test]
+    fn a_misfit_is_that_of_the_worst_history() {
+        let finely: Vec<f64> = (0..=100).map(|i| 0.01 * f64::from(i)).collect();
+        let coarsely: Vec<f64> = (0..=7).map(|i| f64::from(i) / 7.0).collect();
+        let found = misfit(&table(&finely, 1.0), &table(&coarsely, 1.01));
+        assert!((found.error - 0.01).abs() < 1e-12, "{found:?}");
+        assert_eq!(found.name, "a [m]");
+        let same = misfit(&table(&finely, 1.0), &table(&finely, 1.0));
+        assert_eq!(same.error, 0.0);
+        let mut still = table(&finely, 1.0);
+        still[3].values.fill(0.0);
+        let found = misfit(&table(&finely, 1.0), &still);
+        assert!((found.error - 2e-9 / 5e-3).abs() < 1e-12, "{found:?}");
+    }
+}

@@ -1,0 +1,470 @@
+//! Trades: what accuracy costs a scene, found by running it over what it leaves to choose.
+//!
+//! A [`Trade`] runs a window of a scene in its most accurate form, changes one [`Factor`] at a time, and
+//! then tries the combinations that promise most. Errors are relative L2 differences of the scene's
+//! histories from the finest run, or from the field that comes in where that is the closed form; the
+//! reference's own error is estimated. What a whole run costs follows from the time of its steps.
+//!
+//! ```no_run
+//! use powerhouse_study::trade::{Goal, Silent, Trade};
+//! let trade = Trade::of_file("data/scenes/cavern_small.toml", None)?;
+//! let report = trade.run(Goal::Error(0.02), None, &mut Silent)?;
+//! for &place in &report.front {
+//!     let case = &report.cases[place];
+//!     println!("{}: {:.1} s, error {:.4}", case.name, case.cost.wall_time(), case.error);
+//! }
+//! # Ok::<(), powerhouse_study::StudyError>(())
+//! ```
+//!
+//! # Why so
+//! *The mesh stays.* The error of a mesh needs another mesh; the free-field check tells what this one
+//! costs in accuracy. What is compared here is everything else, on the same mesh.
+//!
+//! *One factor at a time, then few combinations.* Seven factors have hundreds of combinations. Their
+//! errors come from different sources and hardly know of each other, so that single changes predict
+//! combinations well enough to choose the next run; what is written is always one that was run.
+
+mod case;
+mod closed_form;
+mod factor;
+mod misfit;
+mod picture;
+mod plan;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use powerhouse::io::TableColumn;
+use powerhouse::wavefield::TimeHistory;
+use powerhouse::{ProgressHook, Registry, Scene};
+use toml::Table;
+
+use crate::mark::{Mark, inputs};
+use crate::sweep::write_text;
+use crate::{StudyError, cost, registry};
+pub use case::CaseCost;
+use case::{Bench, Finished};
+pub use factor::{Factor, Level};
+use plan::{Design, Outlook};
+
+/// Share of a record's intensity that a window holds, and what is added of the duration for the waves
+/// to cross the body.
+const SHARE_OF_INTENSITY: f64 = 0.5;
+const SHARE_ADDED: f64 = 0.1;
+/// Combinations that are run at most beyond single changes.
+const MOST_COMBINATIONS: usize = 6;
+/// The picture in the folder of a trade.
+const PICTURE: &str = "trade.svg";
+/// The table.
+const TABLE: &str = "trade.csv";
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// The front alone.
+    Front,
+    /// The cheapest run whose error, with that of the reference, is at most this.
+    Error(f64),
+    /// The most accurate run that takes at most this wall time (s).
+    Budget(f64),
+}
+
+/// What errors are measured against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reference {
+    /// The run in which every factor is at its most accurate level.
+    #[default]
+    Finest,
+    /// The field that comes in, for ground without a structure.
+    ClosedForm,
+}
+
+/// Is told how a trade goes.
+pub trait TradeWatch {
+    /// Before anything runs: how many runs there will be at most, of how many seconds of the scene, and
+    /// how long all of them will take.
+    fn before(&mut self, _runs: usize, _window: f64, _at_most: Duration) {}
+    /// A run begins: its name and its place from 1.
+    fn begins(&mut self, _name: &str, _place: usize) {}
+    /// It was finished before.
+    fn kept(&mut self, _name: &str) {}
+    /// The hook for its steps.
+    fn progress(&mut self) -> Option<ProgressHook<'static>> {
+        None
+    }
+    /// It failed; the others go on.
+    fn fails(&mut self, _name: &str, _error: &StudyError) {}
+    /// It is finished.
+    fn ends(&mut self, _case: &TradeCase) {}
+}
+
+/// Hears nothing.
+pub struct Silent;
+
+impl TradeWatch for Silent {}
+
+/// A run of a trade.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TradeCase {
+    /// The levels in which it differs from the reference, or `reference`.
+    pub name: String,
+    /// The level of each factor.
+    pub levels: Vec<usize>,
+    /// What it costs.
+    pub cost: CaseCost,
+    /// Its relative error, that of the reference aside.
+    pub error: f64,
+    /// The history that has this error.
+    pub worst: String,
+}
+
+/// What a trade found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TradeReport {
+    /// The scene's title.
+    pub title: String,
+    /// The factors.
+    pub factors: Vec<Factor>,
+    /// All runs.
+    pub cases: Vec<TradeCase>,
+    /// Levels with which a run was refused or failed, and why.
+    pub failed: Vec<(String, String)>,
+    /// The estimated error of the reference itself, that of the mesh aside.
+    pub reference_error: f64,
+    /// The places of the runs that no other betters in cost and error, the cheapest first.
+    pub front: Vec<usize>,
+    /// The place of the run that meets the goal, if one does.
+    pub chosen: Option<usize>,
+    /// Files that were written, the chosen scene first if there is one.
+    pub files: Vec<PathBuf>,
+}
+
+/// A scene file and what it leaves to choose.
+pub struct Trade {
+    path: PathBuf,
+    file: Table,
+    inputs: Vec<Vec<u8>>,
+    registry: Registry,
+    factors: Vec<Factor>,
+    title: String,
+    folder: PathBuf,
+    duration: f64,
+    window: f64,
+    reference: Reference,
+}
+
+impl Trade {
+    /// The trade of a scene file; results go to a folder, by default `trade` in the scene's own.
+    ///
+    /// # Errors
+    /// A scene that cannot be read; [`StudyError::NoHistories`] for one that records nothing to compare.
+    pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
+        let (path, registry) = (path.as_ref(), registry());
+        let scene = Scene::from_file_with(path, &registry)?;
+        let plan = scene.output_plan();
+        if plan.histories.is_empty() && plan.relative.is_empty() && plan.stresses.is_empty() {
+            return Err(StudyError::NoHistories);
+        }
+        let text = scene.source().map_or("", |source| &source.text).to_owned();
+        let file: Table = toml::from_str(&text).map_err(|source| StudyError::BayFile {
+            file: path.into(),
+            source: Box::new(source),
+        })?;
+        let own = scene.result_folder().path().join("trade");
+        Ok(Self {
+            inputs: inputs(path, &text)?,
+            factors: factor::factors(&scene, &file),
+            title: scene.title().to_owned(),
+            folder: folder.unwrap_or(own),
+            duration: scene.run_duration(),
+            window: window(&scene),
+            reference: Reference::Finest,
+            path: path.into(),
+            file,
+            registry,
+        })
+    }
+    /// The same over the first seconds (s) of the run, its whole duration at most, instead of those until
+    /// half of the records' intensity has come.
+    #[must_use]
+    pub fn window(mut self, duration: f64) -> Self {
+        self.window = duration.min(self.duration);
+        self
+    }
+    /// The same with errors measured against something else.
+    #[must_use]
+    pub fn against(mut self, reference: Reference) -> Self {
+        self.reference = reference;
+        self
+    }
+    /// What the scene leaves to choose, what matters most first.
+    pub fn factors(&self) -> &[Factor] {
+        &self.factors
+    }
+    /// The folder of the results.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Runs what is not finished yet, writes a table and a picture, and beside the scene, if a run meets
+    /// the goal, the scene of that run.
+    ///
+    /// # Errors
+    /// A reference that is refused or fails; [`StudyError::NoClosedForm`]; [`StudyError::Interrupted`] if it
+    /// was stopped from outside: what was finished until then stays, and another trade goes on from
+    /// there.
+    pub fn run(
+        &self,
+        goal: Goal,
+        stop: Option<&Arc<AtomicBool>>,
+        watch: &mut dyn TradeWatch,
+    ) -> Result<TradeReport, StudyError> {
+        let alone = plan::alone(&self.factors);
+        if self.reference == Reference::ClosedForm {
+            // Whether there is one shows before anything runs.
+            closed_form::closed_form(&self.scene(&alone[0])?, &[])?;
+        }
+        self.announce(alone.len() + MOST_COMBINATIONS, watch)?;
+        let mut bench = Bench {
+            stop,
+            window: self.window,
+            duration: self.duration,
+            bodies: BTreeMap::new(),
+        };
+        let mut cases: Vec<TradeCase> = Vec::new();
+        let mut known: Vec<(Design, Outlook)> = Vec::new();
+        let (mut failed, mut failures) = (Vec::new(), Vec::new());
+        let mut reference: Option<Vec<TableColumn>> = None;
+        let mut pending = alone.into_iter();
+        let (mut combinations, mut of_reference) = (0, 0.0);
+        loop {
+            let design = match pending.next() {
+                Some(design) => design,
+                None => {
+                    if combinations == 0 {
+                        of_reference = self.error_of_reference(&cases);
+                    }
+                    let next = plan::next(&self.factors, (&known, &failed), (goal, of_reference));
+                    combinations += 1;
+                    match next.filter(|_| combinations <= MOST_COMBINATIONS) {
+                        Some(design) => design,
+                        None => break,
+                    }
+                }
+            };
+            let name = self.name(&design);
+            watch.begins(&name, cases.len() + failed.len() + 1);
+            let finished = match self.finish(&design, &mut bench, watch, &name) {
+                // Not every level suits every scene; the reference must.
+                Err(error @ StudyError::Scene(_)) if !cases.is_empty() => {
+                    watch.fails(&name, &error);
+                    failures.push((name, error.to_string()));
+                    failed.push(design);
+                    continue;
+                }
+                finished => finished?,
+            };
+            let reference = match &reference {
+                Some(reference) => reference,
+                None => reference.insert(self.reference_of(&finished)?),
+            };
+            let misfit = misfit::misfit(reference, &finished.histories);
+            let case = TradeCase {
+                name,
+                levels: design.clone(),
+                cost: finished.cost,
+                error: misfit.error,
+                worst: misfit.name,
+            };
+            watch.ends(&case);
+            let (error, cost) = (case.error, case.cost.wall_time());
+            known.push((design, Outlook { error, cost }));
+            cases.push(case);
+        }
+        let chosen = plan::best(&known, (goal, of_reference));
+        let mut report = TradeReport {
+            title: self.title.clone(),
+            factors: self.factors.clone(),
+            cases,
+            failed: failures,
+            reference_error: of_reference,
+            front: plan::front(&known),
+            chosen,
+            files: Vec::new(),
+        };
+        self.write(&mut report)?;
+        Ok(report)
+    }
+
+    /// Says what the runs will cost: none takes longer than the finest.
+    fn announce(&self, runs: usize, watch: &mut dyn TradeWatch) -> Result<(), StudyError> {
+        let finest = self
+            .scene(&vec![0; self.factors.len()])?
+            .duration(self.window);
+        let mut simulation = finest.prepare()?;
+        let steps = self.window / simulation.step()?;
+        let of_one = cost::time_of_step(&mut simulation)?.mul_f64(steps);
+        watch.before(runs, self.window, of_one * runs as u32);
+        Ok(())
+    }
+
+    /// The file of a design.
+    fn file_of(&self, design: &Design) -> Table {
+        let mut file = self.file.clone();
+        for (factor, &level) in self.factors.iter().zip(design) {
+            factor.levels[level].apply(&mut file);
+        }
+        file
+    }
+
+    fn text_of(&self, design: &Design) -> Result<String, StudyError> {
+        toml::to_string(&self.file_of(design)).map_err(|source| StudyError::Unwritable {
+            file: self.path.clone(),
+            source: Box::new(source),
+        })
+    }
+
+    fn scene(&self, design: &Design) -> Result<Scene, StudyError> {
+        let text = self.text_of(design)?;
+        Ok(Scene::from_toml(text, &self.path, &self.registry)?)
+    }
+
+    /// The levels in which a design differs from the reference.
+    fn name(&self, design: &Design) -> String {
+        let differ = self
+            .factors
+            .iter()
+            .zip(design)
+            .filter(|(_, level)| **level > 0);
+        let names: Vec<String> = differ
+            .map(|(factor, &level)| format!("{} {}", factor.name, factor.levels[level].name))
+            .collect();
+        if names.is_empty() {
+            return "reference".into();
+        }
+        names.join(", ")
+    }
+
+    /// What a design came to: as it was found before, or now.
+    fn finish(
+        &self,
+        design: &Design,
+        bench: &mut Bench,
+        watch: &mut dyn TradeWatch,
+        name: &str,
+    ) -> Result<Finished, StudyError> {
+        let levels: Vec<String> = design.iter().map(usize::to_string).collect();
+        let folder = self.folder.join(levels.join("-"));
+        let mark = Mark::of(&self.text_of(design)?, &self.inputs, Some(self.window));
+        if let Some(kept) = bench.kept(&folder, &mark)? {
+            watch.kept(name);
+            return Ok(kept);
+        }
+        // Stages know of elements and their numbers, not of steps and waves.
+        let of_body = self.factors.iter().zip(&levels);
+        let of_body =
+            of_body.filter(|(factor, _)| !["step", "input", "output"].contains(&factor.name));
+        let body: Vec<&str> = of_body.map(|(_, level)| level.as_str()).collect();
+        let finished = bench.run(self.scene(design)?, &body.join("-"), watch)?;
+        bench.keep(&folder, &mark, &finished)?;
+        // As another trade would find it: a number may lose its last bit in a file.
+        Ok(bench.kept(&folder, &mark)?.unwrap_or(finished))
+    }
+
+    /// The histories that others are compared with.
+    fn reference_of(&self, finest: &Finished) -> Result<Vec<TableColumn>, StudyError> {
+        match self.reference {
+            Reference::Finest => Ok(finest.histories.clone()),
+            Reference::ClosedForm => {
+                let scene = self.scene(&vec![0; self.factors.len()])?;
+                let times = finest
+                    .histories
+                    .first()
+                    .map_or(&[][..], |time| &time.values);
+                closed_form::closed_form(&scene, times)
+            }
+        }
+    }
+
+    /// The error of the finest run, on its mesh: schemes are of second order, so that a step twice as
+    /// long differs by three times what is left.
+    fn error_of_reference(&self, cases: &[TradeCase]) -> f64 {
+        if self.reference == Reference::ClosedForm {
+            return 0.0;
+        }
+        let Some(place) = self.factors.iter().position(|factor| factor.name == "step") else {
+            return 0.0;
+        };
+        let coarser = cases.iter().find(|case| {
+            let others = case.levels.iter().enumerate().filter(|(i, _)| *i != place);
+            case.levels[place] == 1 && others.into_iter().all(|(_, level)| *level == 0)
+        });
+        coarser.map_or(0.0, |case| case.error / 3.0)
+    }
+
+    fn write(&self, report: &mut TradeReport) -> Result<(), StudyError> {
+        let mut files = Vec::new();
+        if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
+            let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+            let file = self.path.with_file_name(format!("{stem}_trade.toml"));
+            let text = format!(
+                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}), the reference by {:.2e}; the whole run takes {:.0} s.\n\n{}",
+                self.path.file_name().unwrap_or_default().to_string_lossy(),
+                case.name,
+                self.window,
+                case.error,
+                case.worst,
+                report.reference_error,
+                case.cost.wall_time(),
+                self.text_of(&case.levels)?
+            );
+            write_text(&file, &text)?;
+            files.push(file);
+        }
+        let mut text = String::from(
+            "levels,error [1],wall time [s],step [s],time of a step [s],memory [bytes],on the front\n",
+        );
+        for (place, case) in report.cases.iter().enumerate() {
+            let cost = &case.cost;
+            text += &format!(
+                "\"{}\",{:e},{:e},{:e},{:e},{},{}\n",
+                case.name,
+                case.error,
+                cost.wall_time(),
+                cost.step,
+                cost.time_of_step,
+                cost.memory,
+                report.front.contains(&place)
+            );
+        }
+        let (table, picture) = (self.folder.join(TABLE), self.folder.join(PICTURE));
+        write_text(&table, &text)?;
+        picture::draw(&picture, report)?;
+        files.extend([table, picture]);
+        report.files = files;
+        Ok(())
+    }
+}
+
+/// Time until half of the records' intensity has come, and a tenth of the duration more; the duration
+/// if that is shorter, or waves are pulses.
+fn window(scene: &Scene) -> f64 {
+    let until = |history: &TimeHistory| {
+        let samples = history.acceleration();
+        let whole: f64 = samples.iter().map(|a| a * a).sum();
+        let mut sum = 0.0;
+        let place = samples.iter().position(|a| {
+            sum += a * a;
+            sum >= SHARE_OF_INTENSITY * whole
+        });
+        place.unwrap_or(samples.len()) as f64 * history.step()
+    };
+    let duration = scene.run_duration();
+    let latest = scene.records().values().map(until).reduce(f64::max);
+    latest.map_or(duration, |latest| {
+        duration.min(latest + SHARE_ADDED * duration)
+    })
+}

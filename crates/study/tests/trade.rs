@@ -1,0 +1,260 @@
+//! Trades: what a scene leaves to choose, what is run, what is written, what is not run again.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use powerhouse::io::write_gmsh;
+use powerhouse::model::{Mesh, Vec3};
+use powerhouse::{RunHooks, Scene};
+use powerhouse_study::trade::{Goal, Reference, Silent, Trade, TradeCase, TradeWatch};
+use powerhouse_study::{StudyError, registry};
+
+/// A block of ground under a wave.
+const SCENE: &str = r#"
+title = "block"
+[mesh]
+file = "mesh.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 9e9
+poisson = 0.27
+density = 2750
+[[part]]
+set = "rock"
+material = "rock"
+[[wave]]
+kind = "sv"
+incidence = 20
+pulse = { kind = "smooth", displacement = 0.01, duration = 0.25 }
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "front", "back", "bottom"]
+scatterer = [60, 60, 120]
+[time]
+duration = 0.4
+[output]
+every = 0.004
+[[output.history]]
+name = "top"
+at = [60, 60, 120]
+quantities = ["displacement", "velocity"]
+"#;
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, scene: &str) -> Self {
+        let name = format!("powerhouse-trade-{name}-{}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&path).unwrap();
+        let size = Vec3::repeat(120.0);
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [8, 8, 8], "rock").unwrap();
+        write_gmsh(&path.join("mesh.msh"), &mesh).unwrap();
+        std::fs::write(path.join("scene.toml"), scene).unwrap();
+        Self(path)
+    }
+    fn scene(&self) -> PathBuf {
+        self.0.join("scene.toml")
+    }
+    fn trade(&self) -> Trade {
+        Trade::of_file(self.scene(), Some(self.0.join("out"))).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Counts what is told.
+#[derive(Default)]
+struct Counted {
+    announced: Option<(usize, f64, Duration)>,
+    begun: usize,
+    kept: usize,
+}
+
+impl TradeWatch for Counted {
+    fn before(&mut self, runs: usize, window: f64, at_most: Duration) {
+        assert_eq!(self.begun, 0);
+        self.announced = Some((runs, window, at_most));
+    }
+    fn begins(&mut self, _name: &str, _place: usize) {
+        self.begun += 1;
+    }
+    fn kept(&mut self, _name: &str) {
+        self.kept += 1;
+    }
+}
+
+/// The relative L2 difference of the displacement of the point on top.
+fn difference(scene: &Path, reference: &Path) -> f64 {
+    let motion = |path: &Path| {
+        let scene = Scene::from_file_with(path, &registry()).unwrap();
+        scene
+            .prepare()
+            .unwrap()
+            .run(RunHooks::default())
+            .unwrap()
+            .histories
+    };
+    let (found, reference) = (motion(scene), motion(reference));
+    let (mut difference, mut size) = (0.0, 0.0);
+    for name in ["top.ux", "top.uy", "top.uz"] {
+        let (a, b) = (found.column(name).unwrap(), reference.column(name).unwrap());
+        for (time, value) in reference.times.iter().zip(&b.values) {
+            let after = found
+                .times
+                .partition_point(|t| t < time)
+                .clamp(1, found.times.len() - 1);
+            let (start, end) = (found.times[after - 1], found.times[after]);
+            let share = (time - start) / (end - start);
+            let at = a.values[after - 1] + share * (a.values[after] - a.values[after - 1]);
+            difference += (at - value).powi(2);
+            size += value.powi(2);
+        }
+    }
+    f64::sqrt(difference / size)
+}
+
+/// A trade tells what it will cost before it runs, finds the cheapest run within an error, writes its
+/// scene, and another trade runs nothing again. The scene that it writes keeps the promised error when
+/// it is run in full.
+#[test]
+fn the_scene_of_a_trade_keeps_its_promise() {
+    let folder = Folder::new("error", SCENE);
+    let trade = folder.trade();
+    let names: Vec<&str> = trade.factors().iter().map(|factor| factor.name).collect();
+    assert_eq!(
+        names,
+        ["kernel", "step", "boundary", "input", "precision", "output"]
+    );
+    let mut watch = Counted::default();
+    let report = trade.run(Goal::Error(0.03), None, &mut watch).unwrap();
+    let (runs, window, at_most) = watch.announced.unwrap();
+    assert!(runs >= watch.begun && at_most > Duration::ZERO);
+    assert_eq!((window, watch.kept), (0.4, 0));
+    // The reference, eight single changes, and a combination or more.
+    assert!(report.cases.len() > 9, "{}", report.cases.len());
+    assert_eq!(
+        (report.cases[0].error, report.cases[0].name.as_str()),
+        (0.0, "reference")
+    );
+    let error_of = |name: &str| {
+        let found = |case: &&TradeCase| case.name == name;
+        report
+            .cases
+            .iter()
+            .find(found)
+            .map(|case| case.error)
+            .unwrap()
+    };
+    // A number format costs the accuracy of its digits, the incident wave alone at the bottom much more.
+    assert!(error_of("precision mixed") < 1e-4);
+    assert!(error_of("precision mixed") < error_of("precision f32"));
+    assert!(error_of("input incident wave at the bottom") > 0.03);
+    assert!(report.reference_error > 0.0 && report.reference_error < 0.03);
+    let chosen = &report.cases[report.chosen.unwrap()];
+    assert!(chosen.error + report.reference_error <= 0.03);
+    assert!(report.front.contains(&report.chosen.unwrap()));
+    let cheaper = report
+        .cases
+        .iter()
+        .filter(|case| case.error + report.reference_error <= 0.03);
+    assert!(
+        cheaper
+            .into_iter()
+            .all(|case| case.cost.wall_time() >= chosen.cost.wall_time())
+    );
+    assert!(report.files.iter().all(|file| file.is_file()));
+
+    let mut again = Counted::default();
+    let same = folder
+        .trade()
+        .run(Goal::Error(0.03), None, &mut again)
+        .unwrap();
+    assert_eq!((again.kept, &same), (again.begun, &report));
+
+    // The finest form of the scene, written by hand.
+    let finest = folder.0.join("finest.toml");
+    let text = SCENE
+        .replace(
+            "material = \"rock\"\n[[wave]]",
+            "material = \"rock\"\nkernel = \"hex8-full\"\n[[wave]]",
+        )
+        .replace("duration = 0.4", "duration = 0.4\nsafety = 0.5");
+    std::fs::write(&finest, text).unwrap();
+    let error = difference(&report.files[0], &finest);
+    assert!(error <= 0.03, "{error}");
+}
+
+/// Against the closed form of the ground the finest run has the error of its mesh; a wave of which the
+/// ground knows nothing has none.
+#[test]
+fn ground_without_a_structure_has_a_closed_form() {
+    let folder = Folder::new("closed", SCENE);
+    let trade = folder.trade().window(0.2).against(Reference::ClosedForm);
+    let report = trade.run(Goal::Front, None, &mut Silent).unwrap();
+    let finest = &report.cases[0];
+    // Eight bricks to the shortest wavelength of the pulse.
+    assert!(
+        finest.error > 1e-4 && finest.error < 0.05,
+        "{}",
+        finest.error
+    );
+    assert_eq!((report.reference_error, report.chosen), (0.0, None));
+    let damped = SCENE.replace(
+        "material = \"rock\"\n[[wave]]",
+        "material = \"rock\"\ndamping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [2, 10] }\nrim = 0\n[[wave]]",
+    );
+    let folder = Folder::new("damped", &damped);
+    let trade = folder.trade().window(0.01).against(Reference::ClosedForm);
+    assert!(
+        trade
+            .factors()
+            .iter()
+            .any(|factor| factor.name == "damping")
+    );
+    let refused = trade.run(Goal::Front, None, &mut Silent).unwrap_err();
+    assert!(
+        matches!(refused, StudyError::NoClosedForm { .. }),
+        "{refused}"
+    );
+}
+
+/// A level that a scene refuses is told and left out; the others go on.
+#[test]
+fn a_level_that_fails_is_left_out() {
+    // Single precision cannot balance energies so well.
+    let strict = SCENE.replace(
+        "title = \"block\"",
+        "title = \"block\"\nenergy_residual = 1e-9",
+    );
+    let folder = Folder::new("failing", &strict);
+    let report = folder.trade().run(Goal::Front, None, &mut Silent).unwrap();
+    let failed: Vec<&str> = report
+        .failed
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .collect();
+    assert!(failed.contains(&"precision f32"), "{failed:?}");
+    assert!(
+        report
+            .failed
+            .iter()
+            .all(|(_, why)| why.contains("energy ledger"))
+    );
+    let within = |case: &TradeCase| case.levels[4] == 2;
+    assert!(!report.cases.iter().any(within) && report.cases.len() > 5);
+}
+
+/// A scene that records nothing has nothing to be compared by.
+#[test]
+fn a_scene_without_histories_is_refused() {
+    let bare = SCENE.split("[[output.history]]").next().unwrap();
+    let folder = Folder::new("bare", bare);
+    let refused = Trade::of_file(folder.scene(), None).err().unwrap();
+    assert!(matches!(refused, StudyError::NoHistories), "{refused}");
+}
