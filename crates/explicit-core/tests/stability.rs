@@ -142,7 +142,10 @@ fn the_report_names_who_limits() {
     let all: Vec<u32> = (0..64).collect();
     let stopped = Model::builder(&mesh).elements(all, concrete.damped(1e9, 0.0).boxed());
     let stopped = stopped.build().unwrap().stable_step(&Leapfrog).unwrap();
-    assert_eq!((stopped.term, stopped.step), (LimitingTerm::MassDamping, 2e-9));
+    assert_eq!(
+        (stopped.term, stopped.step),
+        (LimitingTerm::MassDamping, 2e-9)
+    );
 }
 
 /// The one-sided scheme with a stiffness damping of half a step is the undamped leapfrog, bit for

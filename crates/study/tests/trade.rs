@@ -50,7 +50,7 @@ impl Folder {
         std::fs::create_dir_all(&path).unwrap();
         let size = Vec3::repeat(120.0);
         let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [8, 8, 8], "rock").unwrap();
-        write_gmsh(&path.join("mesh.msh"), &mesh).unwrap();
+        write_gmsh(path.join("mesh.msh"), &mesh).unwrap();
         std::fs::write(path.join("scene.toml"), scene).unwrap();
         Self(path)
     }
