@@ -225,6 +225,18 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     // From the body that the first sweep left.
     assert!(count.at_rest.is_empty(), "{:?}", count.at_rest);
 
+    // Another case that comes in shares a body only if nothing differs that acts before the motion.
+    let softer = "[[case]]\nname = \"softer\"\nmaterial = [{ name = \"rock\", young = 8e9 }]\n\
+                  [[case]]\nname = \"stiffer\"\nboundary = { a = 0.5 }\n";
+    std::fs::write(folder.scene(), format!("{SCENE}{softer}")).unwrap();
+    let mut count = Count::default();
+    let sweep = folder
+        .sweep()
+        .only(&["softer", "stiffer"].map(str::to_owned));
+    sweep.unwrap().run(None, &mut count).unwrap();
+    assert_eq!(count.ended, ["softer", "stiffer"]);
+    assert_eq!(count.at_rest, ["softer"]);
+
     // An edited mesh is another job.
     write_gmsh(folder.0.join("mesh.msh"), &slice(1.1)).unwrap();
     let mut count = Count::default();

@@ -83,7 +83,8 @@ pub(super) fn histories(
             1e-6,
             "greatest principal stress",
         ),
-        other => (format!("{POINT}{other}"), "mm", 1e3, "displacement"),
+        ".uz" => (format!("{POINT}.uz"), "mm", 1e3, "displacement upwards"),
+        other => (format!("{POINT}{other}"), "mm", 1e3, "displacement across"),
     };
     let mut plots = Vec::new();
     for (kind, of_kind) in kinds(cases) {

@@ -34,7 +34,7 @@ table{border-collapse:collapse;font-size:.85rem;margin:.6rem 0;font-variant-nume
 th,td{border-bottom:1px solid var(--line);padding:.25rem .6rem;text-align:right;vertical-align:top}td{white-space:nowrap}
 th{background:var(--soft);text-align:right}
 td:first-child,th:first-child{text-align:left;white-space:nowrap}
-td.text{text-align:left;white-space:normal}td.wide-text{min-width:14rem}
+th.text{text-align:left}td.text{text-align:left;white-space:normal}td.wide-text{min-width:14rem}
 figure{margin:1rem 0;break-inside:avoid}
 figure img{max-width:100%;height:auto}
 figcaption{font-size:.85rem;opacity:.8}
@@ -66,8 +66,13 @@ impl Page {
 
     pub(super) fn table(&mut self, table: &Table) {
         self.body += "<div class=\"wide\"><table><thead><tr>";
-        for cell in &table.head {
-            let _ = write!(self.body, "<th>{}</th>", escaped(cell));
+        for (place, cell) in table.head.iter().enumerate() {
+            // A head stands over its column as the first cell that says something.
+            let mut below = table.rows.iter().filter_map(|row| row.get(place));
+            let first = below.find(|cell| !cell.is_empty());
+            let is_text = first.is_some_and(|cell| !class(cell).is_empty());
+            let class = if is_text { " class=\"text\"" } else { "" };
+            let _ = write!(self.body, "<th{class}>{}</th>", escaped(cell));
         }
         self.body += "</tr></thead><tbody>\n";
         for row in &table.rows {

@@ -120,7 +120,8 @@ impl Sweep<'_> {
         page.paragraph("Greatest displacement itself (mm).");
         let displacements = tables::peaks(self.cases, |outcome| &outcome.displacements, 1e3);
         page.table(&displacements);
-        page.figures(charts::histories(self.cases, &self.plots, ".ux")?)
+        page.figures(charts::histories(self.cases, &self.plots, ".ux")?)?;
+        page.figures(charts::histories(self.cases, &self.plots, ".uz")?)
     }
 
     fn damage(&self, page: &mut Page) -> Result<(), StudyError> {
