@@ -1,6 +1,7 @@
 //! Where the mesh ends.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::{
     ElasticMedium, ElementBlock, Facet, IncidentField, Mat3, Mesh, ModelError, NodalLoad,
@@ -186,6 +187,15 @@ pub trait AbsorbingBoundary: Send + Sync {
 }
 
 impl<B: AbsorbingBoundary + ?Sized> AbsorbingBoundary for Box<B> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
+        (**self).build(site)
+    }
+}
+
+impl<B: AbsorbingBoundary + ?Sized> AbsorbingBoundary for Arc<B> {
     fn name(&self) -> &str {
         (**self).name()
     }

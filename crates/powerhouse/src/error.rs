@@ -7,7 +7,7 @@ use powerhouse_explicit_core::{StageError, StaticError};
 use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
 use thiserror::Error;
 
-use crate::{Results, SceneFault, StagingError};
+use crate::{MirrorError, RegionError, Results, SceneFault, StagingError};
 
 /// Why a scene cannot be read, composed, run or written.
 #[derive(Debug, Error)]
@@ -93,6 +93,12 @@ pub enum Error {
         /// The user's number of the element.
         element: u64,
     },
+    /// A region around which the field cannot enter.
+    #[error(transparent)]
+    Region(#[from] RegionError),
+    /// A plane of symmetry at which half of the body does not stand for the whole.
+    #[error(transparent)]
+    Mirror(#[from] MirrorError),
     /// A kernel that none of its part's elements is for.
     #[error("part '{set}' has no element that the kernel '{kernel}' takes")]
     IdleKernel {

@@ -81,7 +81,10 @@ pub use part::{Kernel, Material, Part};
 pub use reduction::reduction_layer;
 pub use registry::Registry;
 pub use remark::Remark;
-pub use scene::{Boundary, InitialMotion, LawMemory, ResidualLimit, Scene, TimeStep};
+pub use scene::{
+    Boundary, InitialMotion, LawMemory, Mirror, MirrorError, Parity, RegionError, ResidualLimit,
+    Scene, TimeStep,
+};
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BodyAtRest, BoltPlace, InSituError, InSituStress, SceneBolts, SceneStage, StageAtRest,

@@ -66,6 +66,13 @@ pub enum Remark {
         /// Where it was taken to be (m).
         position: Vec3,
     },
+    /// The field enters through the layer around a region.
+    Region {
+        /// Elements of the region.
+        inside: usize,
+        /// Elements of the layer.
+        layer: usize,
+    },
     /// A record that drives nothing.
     UnusedRecord {
         /// Its name in the scene.
@@ -134,6 +141,7 @@ impl Remark {
             | Self::Rim { .. }
             | Self::Conversion { .. }
             | Self::QuietStart { .. }
+            | Self::Region { .. }
             | Self::Scatterer { .. } => false,
         }
     }
@@ -220,6 +228,10 @@ impl fmt::Display for Remark {
                 f,
                 "springs take their distance from ({:.3}, {:.3}, {:.3}) m, the middle of the parts that touch no absorbing face",
                 position.x, position.y, position.z
+            ),
+            Self::Region { inside, layer } => write!(
+                f,
+                "the waves enter through {layer} elements around a region of {inside}; results outside of them hold scattered waves alone"
             ),
             Self::UnusedRecord { name } => {
                 write!(

@@ -172,6 +172,32 @@ pub enum MeshError {
         /// The upper coordinate (m).
         high: f64,
     },
+    /// A plane that meets no element, or only touches them.
+    #[error(
+        "the plane {axis} = {value} m cuts no element: the mesh reaches from {low} to {high} m"
+    )]
+    NoSlice {
+        /// `x`, `y` or `z`.
+        axis: char,
+        /// Where the plane is (m).
+        value: f64,
+        /// The lowest coordinate of the mesh (m).
+        low: f64,
+        /// The highest one (m).
+        high: f64,
+    },
+    /// A mesh that is not the same in every slice across an axis.
+    #[error(
+        "the mesh is not the same all along {axis}: element {element} of the slice does not stand between two planes, or the slice is {share:.6} of the volume for its thickness instead of 1"
+    )]
+    NotExtruded {
+        /// `x`, `y` or `z`.
+        axis: char,
+        /// The number of the element that is farthest from it.
+        element: u64,
+        /// Volume of the slice over that of the mesh, times extent over thickness.
+        share: f64,
+    },
     /// A point with a coordinate that is not finite.
     #[error("the point {point:?} is not finite")]
     PointNotFinite {

@@ -11,6 +11,7 @@ mod near;
 mod select;
 mod shape;
 mod sides;
+mod slice;
 mod split;
 
 use std::collections::BTreeMap;

@@ -1,10 +1,11 @@
-//! Meshes: shapes, faults, facets, location of points, selections and generators.
+//! Meshes: shapes, faults, facets, location of points, selections, slices and generators.
 
 mod facets;
 mod faults;
 mod generate;
 mod locate;
 mod shapes;
+mod slice;
 mod split;
 
 use powerhouse_model::{ElementKind, Mesh, Vec3};

@@ -42,7 +42,7 @@ const JOINT: (&str, &[&str]) = (
         "unbonded",
     ],
 );
-const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer"]);
+const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer", "region"]);
 
 /// Reads a scene.
 ///

@@ -259,7 +259,23 @@ pub struct BoundarySection {
     /// The centre of the structure (m), from which springs take their distance; by default the
     /// middle of all parts that touch no absorbing face.
     pub scatterer: Option<At<[Finite; 3]>>,
+    /// A region around the structure: the waves enter through the layer of elements around it (domain
+    /// reduction, Bielak et al. 2003), and the faces absorb what is scattered. Outside the layer
+    /// results hold the scattered motion alone.
+    pub region: Option<At<Region>>,
     /// All other keys: what the kind wants.
     #[serde(skip)]
     pub parameters: Parameters,
+}
+
+/// A part of the mesh: either an element set or a box.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// The element set.
+    pub set: Option<At<String>>,
+    /// The lowest and the highest corner (m) of a box; elements whose middle lies in it belong to the
+    /// region.
+    #[serde(rename = "box")]
+    pub corners: Option<[[Finite; 3]; 2]>,
 }

@@ -23,6 +23,23 @@ pub enum Support {
         /// plane facet set.
         normal: Option<At<[Finite; 3]>>,
     },
+    /// A plane of symmetry: the other half of the body moves as the mirror image of this one. Held
+    /// along the normal. Refused where the waves are not symmetric about it.
+    Symmetry {
+        /// The set, on a plane with the body on one side.
+        set: At<String>,
+        /// The normal of the plane, of any length; by default that of a plane facet set.
+        normal: Option<At<[Finite; 3]>>,
+    },
+    /// A plane of antisymmetry: the other half moves as the mirror image of this one with the opposite
+    /// sign. Held across the normal. Refused where the waves are not antisymmetric about it, or where
+    /// something is not elastic.
+    Antisymmetry {
+        /// The set, on a plane with the body on one side.
+        set: At<String>,
+        /// The normal of the plane, of any length; by default that of a plane facet set.
+        normal: Option<At<[Finite; 3]>>,
+    },
     /// Two opposite faces that move alike, as in a slice of a long tunnel.
     Periodic {
         /// One face.

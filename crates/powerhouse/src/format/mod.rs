@@ -38,7 +38,7 @@ pub(crate) use decode::{decode_materials, decode_tagged};
 pub use function::{Function, Pulse};
 pub use ground::{
     Baseline, BoundarySection, Component, Components, Convention, Count, Ground, Length, Record,
-    Space, Units, Wave, WaveKind, Within,
+    Region, Space, Units, Wave, WaveKind, Within,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
 pub(crate) use load::{GRAVITY, WATER_DENSITY};
@@ -138,6 +138,31 @@ pub struct MeshFile {
     /// Multiplies the coordinates, 0.001 for a mesh in millimetres.
     #[serde(default = "one")]
     pub scale: Positive,
+    /// One layer of elements of a mesh that is the same all along an axis, in place of the whole: what
+    /// holds the ends of the mesh holds the slice. With both on rollers it is in plane strain.
+    pub slice: Option<At<Slice>>,
+}
+
+/// A plane across an axis, which cuts the layer that is computed.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Slice {
+    /// The axis along which the mesh is the same everywhere.
+    pub across: SliceAxis,
+    /// Where the plane is (m), after `scale`.
+    pub at: Finite,
+}
+
+/// Axes of slices.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum SliceAxis {
+    /// The first horizontal axis.
+    X,
+    /// The second horizontal axis.
+    Y,
+    /// Upwards.
+    Z,
 }
 
 fn one() -> Positive {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
     Angle, EndDisplacement, HarmonicBurst, InputConvention, PlaneWave, PlaneWaveParameters,
-    QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, Superposition,
-    WaveError, WaveKind, ZeroMeanPulse, first_hit_corner,
+    QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, WaveError,
+    WaveKind, ZeroMeanPulse, first_hit_corner,
 };
 
 use super::record::PreparedRecord;
@@ -17,12 +17,12 @@ use crate::format::{self, At, Azimuth, Finite, Positive, Pulse, SceneFile, Space
 use crate::scene::{InitialMotion, NOT_AT_REST, box_corners};
 use crate::{Error, Remark, Scene};
 
-/// The sum of all waves, in the medium behind the absorbing faces.
+/// The scene with the sum of all waves, in the medium behind the absorbing faces.
 pub(super) fn field(
     file: &SceneFile,
-    scene: &mut Scene,
+    mut scene: Scene,
     records: &BTreeMap<String, PreparedRecord>,
-) -> Result<Option<Arc<dyn IncidentField>>, Fault> {
+) -> Result<Scene, Fault> {
     let (Some(first), Some(_)) = (file.waves.first(), &file.boundary) else {
         return match file.waves.first() {
             // A wave needs a boundary to come in through.
@@ -33,7 +33,7 @@ pub(super) fn field(
                     Problem::MissingKey { key },
                 ))
             }
-            None => Ok(None),
+            None => Ok(scene),
         };
     };
     let faces = scene.places.faces.clone();
@@ -77,12 +77,9 @@ pub(super) fn field(
         }
         waves.push(wave);
     }
-    let waves = quiet(waves, &file.waves, (low, high), scene)?;
-    let fields = waves.into_iter();
-    let fields = fields.map(|wave| Box::new(wave) as Box<dyn IncidentField>);
-    let sum = Superposition::new(fields.collect())
-        .map_err(|error| Fault::refused(first.incidence.span(), error))?;
-    Ok(Some(Arc::new(sum)))
+    let waves = quiet(waves, &file.waves, (low, high), &mut scene)?;
+    let driven = scene.plane_waves(waves);
+    driven.map_err(|error| Fault::refused(first.incidence.span(), error))
 }
 
 /// The record of a wave: by its name, or a component of one that has some.

@@ -10,10 +10,10 @@ use powerhouse_wavefield::{EndDisplacement, Signal};
 
 use super::record::PreparedRecord;
 use super::{Names, named, one_of, vector};
-use crate::Scene;
 use crate::acting::SharedLoad;
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_DENSITY};
+use crate::{Mirror, Parity, Scene};
 
 /// Nodes of periodic faces match within this share of the mesh's diagonal.
 const PERIODIC_TOLERANCE: f64 = 1e-6;
@@ -39,6 +39,18 @@ pub(super) fn supports(
                 scene
                     .supports
                     .push(Support::roller(names.nodes(set)?, normal));
+            }
+            format::Support::Symmetry { set, normal } => {
+                mirror(
+                    names,
+                    (support, set, normal.as_ref()),
+                    Parity::Symmetric,
+                    scene,
+                )?;
+            }
+            format::Support::Antisymmetry { set, normal } => {
+                let plane = (support, set, normal.as_ref());
+                mirror(names, plane, Parity::Antisymmetric, scene)?;
             }
             format::Support::Periodic { from, to } => {
                 let (from_nodes, to_nodes) = (names.nodes(from)?, names.nodes(to)?);
@@ -82,6 +94,35 @@ pub(super) fn supports(
             }
         }
     }
+    Ok(())
+}
+
+/// A plane of symmetry: its table, its set, and its normal if that is given.
+type Plane<'f> = (
+    &'f At<format::Support>,
+    &'f At<String>,
+    Option<&'f At<[Finite; 3]>>,
+);
+
+fn mirror(
+    names: &Names,
+    (table, set, normal): Plane,
+    parity: Parity,
+    scene: &mut Scene,
+) -> Result<(), Fault> {
+    let normal = match normal {
+        Some(normal) => direction(normal)?,
+        None => mean_normal(names, set)?,
+    };
+    let nodes = names.nodes(set)?;
+    let mirror = Mirror {
+        nodes,
+        normal,
+        parity,
+    };
+    scene.supports.extend(mirror.supports());
+    scene.mirrors.push(mirror);
+    scene.places.mirrors.push(table.span());
     Ok(())
 }
 

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use powerhouse_explicit_core::{Leapfrog, OneSided, Precision};
-use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
+use powerhouse_model::{Axis, Facet, Mesh, MeshError, Vec3};
 
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, SceneFile};
@@ -82,10 +82,18 @@ pub(crate) fn compose(
         scene.places.boundary = section.kind.span();
         let first = section.faces.first();
         scene.places.faces = first.map_or(section.kind.span(), At::span);
+        let region = match &section.region {
+            Some(region) => {
+                scene.places.region = region.span();
+                Some(self::region(&names, section, region)?)
+            }
+            None => None,
+        };
         scene.boundary = Some(Boundary {
             condition,
             faces: section.faces.iter().map(|face| face.to_string()).collect(),
             scatterer: section.scatterer.as_ref().map(|at| vector(at)),
+            region,
         });
     }
     for (name, record) in &records {
@@ -103,7 +111,7 @@ pub(crate) fn compose(
         }
     }
     scene.remarks.extend(unused_records(file));
-    scene.field = ground::field(file, &mut scene, &records)?;
+    scene = ground::field(file, scene, &records)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
         return Err(Fault::refused(file.time.initial.span(), Error::NoField));
     }
@@ -198,11 +206,48 @@ fn mesh(text: &SceneText, table: &format::MeshFile, registry: &Registry) -> Resu
             read.map_err(|error| refused(error.into()))?.mesh
         }
     };
-    match table.scale.get() {
-        1.0 => Ok(mesh),
+    let mesh = match table.scale.get() {
+        1.0 => mesh,
         scale => mesh
             .map_positions(|x| x * scale)
-            .map_err(|e| refused(e.into())),
+            .map_err(|e| refused(e.into()))?,
+    };
+    let Some(slice) = &table.slice else {
+        return Ok(mesh);
+    };
+    let axis = match slice.across {
+        format::SliceAxis::X => Axis::X,
+        format::SliceAxis::Y => Axis::Y,
+        format::SliceAxis::Z => Axis::Z,
+    };
+    let sliced = mesh.plane_slice(axis, slice.at.get());
+    sliced.map_err(|error| Fault::refused(slice.span(), error))
+}
+
+/// The elements of a region. The waves enter around it, so that a boundary with an input of its own is
+/// refused.
+fn region(
+    names: &Names,
+    section: &format::BoundarySection,
+    region: &At<format::Region>,
+) -> Result<Vec<u32>, Fault> {
+    let (input, nothing) = (
+        section.parameters.span_of("input"),
+        section.parameters.span_of(""),
+    );
+    if input != nothing {
+        return Err(one_of(input, &["input", "region"], &[true, true]));
+    }
+    match (&region.set, region.corners) {
+        (Some(set), None) => Ok(names.elements(set)?.to_vec()),
+        (None, Some([low, high])) => {
+            let (low, high) = (vector(&low), vector(&high));
+            Ok(names.mesh.elements_in_box(&low, &high))
+        }
+        (set, corners) => {
+            let given = [set.is_some(), corners.is_some()];
+            Err(one_of(region.span(), &["set", "box"], &given))
+        }
     }
 }
 

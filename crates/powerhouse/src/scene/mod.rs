@@ -1,19 +1,25 @@
 //! A scene: everything that a run needs, composed from names or from Rust.
 
 mod body;
+mod boundary;
 mod file;
 mod joints;
 mod medium;
 mod memory;
+mod mirror;
 mod places;
 mod prepare;
+mod region;
 mod rim;
 mod surroundings;
 
 pub(crate) use body::Piece;
+pub use boundary::Boundary;
 pub use memory::LawMemory;
+pub use mirror::{Mirror, MirrorError, Parity};
 pub(crate) use places::{NOT_AT_REST, Places, StagePlaces};
 pub(crate) use prepare::field_motion;
+pub use region::RegionError;
 pub(crate) use surroundings::box_corners;
 
 use std::collections::BTreeMap;
@@ -23,47 +29,15 @@ use std::sync::Arc;
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::{Leapfrog, PeriodicPairs, Precision, Prescribed, Support};
 use powerhouse_model::{
-    AbsorbingBoundary, Constraint, ContactLaw, IncidentField, Mesh, NodalLoad, TimeFunction,
+    Constraint, ContactLaw, IncidentField, Mesh, ModelError, NodalLoad, TimeFunction,
     TimeIntegrator, Vec3,
 };
 
-use powerhouse_wavefield::TimeHistory;
+use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 
 use crate::acting::{SharedFunction, SharedLoad};
 use crate::output::{OutputPlan, ResultFolder};
-use crate::{InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
-
-/// Where the mesh ends and the ground goes on.
-#[derive(Clone)]
-pub struct Boundary {
-    /// What absorbs.
-    pub condition: Arc<dyn AbsorbingBoundary>,
-    /// The facet sets on which it stands.
-    pub faces: Vec<String>,
-    /// The centre of what scatters (m); without one, the middle of the parts that touch no
-    /// absorbing face, or of the mesh's box if all do.
-    pub scatterer: Option<Vec3>,
-}
-
-impl Boundary {
-    /// A boundary on faces of the mesh.
-    pub fn new<N: Into<String>>(
-        condition: impl AbsorbingBoundary + 'static,
-        faces: impl IntoIterator<Item = N>,
-    ) -> Self {
-        Self {
-            condition: Arc::new(condition),
-            faces: faces.into_iter().map(Into::into).collect(),
-            scatterer: None,
-        }
-    }
-    /// The same around a scatterer (m).
-    #[must_use]
-    pub fn scatterer(mut self, centre: Vec3) -> Self {
-        self.scatterer = Some(centre);
-        self
-    }
-}
+use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
 
 /// Nodes whose motion is given, in every model of a scene.
 pub(crate) struct Driven {
@@ -145,8 +119,11 @@ pub struct Scene {
     pub(crate) mesh: Arc<Mesh>,
     pub(crate) parts: Vec<Part>,
     pub(crate) field: Option<Arc<dyn IncidentField>>,
+    /// The plane waves that the field is the sum of, as far as it is known to be one.
+    pub(crate) waves: Vec<PlaneWave>,
     pub(crate) boundary: Option<Boundary>,
     pub(crate) supports: Vec<Support>,
+    pub(crate) mirrors: Vec<Mirror>,
     pub(crate) periodic: Vec<PeriodicPairs>,
     pub(crate) prescribed: Vec<Driven>,
     pub(crate) loads: Vec<SharedLoad>,
@@ -185,8 +162,10 @@ impl Scene {
             mesh: Arc::new(mesh),
             parts: Vec::new(),
             field: None,
+            waves: Vec::new(),
             boundary: None,
             supports: Vec::new(),
+            mirrors: Vec::new(),
             periodic: Vec::new(),
             prescribed: Vec::new(),
             loads: Vec::new(),
@@ -225,12 +204,26 @@ impl Scene {
     #[must_use]
     pub fn field(mut self, field: impl IncidentField + 'static) -> Self {
         self.field = Some(Arc::new(field));
+        self.waves.clear();
         self
+    }
+    /// The same for the sum of plane waves, which studies of the scene then know one by one.
+    ///
+    /// # Errors
+    /// No wave, or waves in different media.
+    pub fn plane_waves(mut self, waves: Vec<PlaneWave>) -> Result<Self, Error> {
+        let fields = waves.iter().cloned();
+        let fields = fields.map(|wave| Box::new(wave) as Box<dyn IncidentField>);
+        let sum = Superposition::new(fields.collect()).map_err(ModelError::from)?;
+        self.field = Some(Arc::new(sum));
+        self.waves = waves;
+        Ok(self)
     }
     /// The same for a field that another scene has too.
     #[must_use]
     pub fn shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
         self.field = Some(field);
+        self.waves.clear();
         self
     }
     /// Sets where the mesh ends.
@@ -243,6 +236,13 @@ impl Scene {
     #[must_use]
     pub fn support(mut self, support: Support) -> Self {
         self.supports.push(support);
+        self
+    }
+    /// Adds a plane at which half of the body stands for the whole.
+    #[must_use]
+    pub fn mirror(mut self, mirror: Mirror) -> Self {
+        self.supports.extend(mirror.supports());
+        self.mirrors.push(mirror);
         self
     }
     /// Adds nodes that move as one.
@@ -384,6 +384,10 @@ impl Scene {
     /// The motion of the site without the structure.
     pub fn incident_field(&self) -> Option<&Arc<dyn IncidentField>> {
         self.field.as_ref()
+    }
+    /// The plane waves that it is the sum of; none if it is given otherwise.
+    pub fn incident_waves(&self) -> &[PlaneWave] {
+        &self.waves
     }
     /// Where the mesh ends.
     pub fn absorbing_boundary(&self) -> Option<&Boundary> {

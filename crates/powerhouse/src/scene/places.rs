@@ -59,6 +59,10 @@ pub(crate) struct Places {
     pub(crate) boundary: Range<usize>,
     /// Its first face.
     pub(crate) faces: Range<usize>,
+    /// The region around which the field enters.
+    pub(crate) region: Range<usize>,
+    /// Planes of symmetry, one by one.
+    pub(crate) mirrors: Vec<Range<usize>>,
     /// The first wave.
     pub(crate) field: Range<usize>,
     /// The start of the run.

@@ -1,10 +1,13 @@
 //! From a scene to a model that can be stepped.
 
+use std::sync::Arc;
+
+use powerhouse_boundary::DomainReduction;
 use powerhouse_explicit_core::observe::CutSource;
 use powerhouse_explicit_core::{BlockFactory, Leapfrog, Model, ModelBuilder};
 use powerhouse_model::{
-    BoundaryParts, BoundarySite, Constraint, ElasticMedium, Facet, IncidentField, Mat3,
-    NodalImpedance, State, Vec3,
+    AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, ElasticMedium, Facet,
+    IncidentField, Mat3, NodalImpedance, State, Vec3,
 };
 
 use super::{InitialMotion, Piece, Places, ResidualLimit, Scene, TimeStep};
@@ -48,6 +51,11 @@ impl Scene {
         }
         self.mesh.check()?;
         self.part_of_elements()?;
+        self.check_mirrors()
+            .map_err(|(mirror, error)| match self.places.mirrors.get(mirror) {
+                Some(place) => Places::put_at(&self.source, place.clone(), error),
+                None => error,
+            })?;
         self.scatterer()?;
         let rims = self.rims()?;
         let (pieces, mut remarks) = self.pieces(&rims)?;
@@ -209,7 +217,19 @@ impl Scene {
             self.check_field(field, &site)?;
         }
         remarks.extend(self.doubts_around(&facets, &site)?);
-        let parts = boundary.condition.build(&site).map_err(|error| {
+        let layer = self.region_layer(&site, present);
+        let layer = layer.map_err(|error| match error {
+            Error::Region(_) => Places::put_at(&self.source, self.places.region.clone(), error),
+            other => other,
+        })?;
+        let condition: Arc<dyn AbsorbingBoundary> = match layer {
+            None => boundary.condition.clone(),
+            Some((layer, remark)) => {
+                remarks.push(remark);
+                Arc::new(DomainReduction::new(layer, boundary.condition.clone()))
+            }
+        };
+        let parts = condition.build(&site).map_err(|error| {
             Places::put_at(&self.source, self.places.boundary.clone(), error.into())
         })?;
         let springs = |node: &NodalImpedance| node.spring != Mat3::zeros();

@@ -63,12 +63,29 @@ impl Scene {
         })
     }
 
-    /// The nodes of the boundary that are nearest to the corners of the mesh's box.
+    /// The nodes through which the field enters, those of the boundary or of a region, that are nearest
+    /// to the corners of their box.
     fn outermost(&self, site: &BoundarySite) -> Vec<Vec3> {
-        let (low, high) = self.mesh.bounding_box();
+        let region = self.boundary.as_ref().and_then(|b| b.region.as_deref());
+        let entered: Vec<Vec3> = match region {
+            None => site.nodes.iter().map(|node| node.position).collect(),
+            Some(region) => {
+                let nodes = self.mesh.nodes_of_elements(region).into_iter();
+                nodes
+                    .map(|node| self.mesh.positions()[node as usize])
+                    .collect()
+            }
+        };
+        let infinite = Vec3::repeat(f64::INFINITY);
+        let (low, high) = (entered.iter()).fold((infinite, -infinite), |(low, high), position| {
+            (low.inf(position), high.sup(position))
+        });
         let nearest = |corner: Vec3| {
-            let positions = site.nodes.iter().map(|node| node.position);
-            positions.min_by(|a, b| (a - corner).norm().total_cmp(&(b - corner).norm()))
+            let distance = |position: &&Vec3| (**position - corner).norm();
+            let nearest = entered
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            nearest.copied()
         };
         box_corners(&low, &high)
             .into_iter()

@@ -1,0 +1,182 @@
+//! One layer of a mesh that is the same all along an axis.
+
+use std::collections::{BTreeSet, HashMap};
+
+use super::{Axis, Facet, Mesh, MeshError};
+
+/// What differs by less than this share of the extent along the axis is the same.
+const TOLERANCE: f64 = 1e-6;
+
+impl Mesh {
+    /// The elements that a plane across an axis cuts, one layer of a mesh that is the same all along
+    /// it, with their numbers.
+    ///
+    /// Sets keep what of them is in the layer. Facet sets on the ends of the mesh become those of the
+    /// layer's own sides, so that what held the ends of the body holds the slice: with both on rollers
+    /// it is in plane strain. Sets without anything in the layer are empty.
+    ///
+    /// # Errors
+    /// [`MeshError::NoSlice`]; [`MeshError::NotExtruded`] if an element of the layer reaches beyond
+    /// it, or if the layer's volume is not the share of the whole that its thickness is.
+    ///
+    /// ```
+    /// use powerhouse_model::{Axis, Mesh, Vec3};
+    /// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(4.0, 10.0, 2.0), [4, 5, 2], "rock")?;
+    /// let slice = mesh.plane_slice(Axis::Y, 5.0)?;
+    /// assert_eq!((slice.element_count(), slice.node_count()), (8, 30));
+    /// assert_eq!(slice.facet_set("front")?.len(), 8);
+    /// # Ok::<(), powerhouse_model::MeshError>(())
+    /// ```
+    pub fn plane_slice(&self, axis: Axis, at: f64) -> Result<Self, MeshError> {
+        let (low, high) = self.bounding_box();
+        let (low, high) = (low[axis.index()], high[axis.index()]);
+        let tolerance = TOLERANCE * (high - low);
+        let along = |node: u32| self.positions[node as usize][axis.index()];
+        let reach = |element: u32| {
+            let coordinates = self.nodes_of(element).iter().map(|&node| along(node));
+            coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                (a.min(x), b.max(x))
+            })
+        };
+        let is_cut = |&element: &u32| {
+            let (from, to) = reach(element);
+            self.kind(element).is_solid() && from <= at && at < to
+        };
+        let kept: Vec<u32> = (0..self.element_count() as u32).filter(is_cut).collect();
+        let Some(&first) = kept.first() else {
+            return Err(MeshError::NoSlice {
+                axis: axis.name(),
+                value: at,
+                low,
+                high,
+            });
+        };
+        let (from, to) = reach(first);
+        let astray = |&node: &u32| {
+            (along(node) - from).abs() > tolerance && (along(node) - to).abs() > tolerance
+        };
+        let reaches_beyond = |&&element: &&u32| self.nodes_of(element).iter().any(astray);
+        let layer = self.volume(&kept) / (to - from);
+        let solids = (0..self.element_count() as u32).filter(|&e| self.kind(e).is_solid());
+        let share = layer * (high - low) / self.volume(&solids.collect::<Vec<u32>>());
+        let beyond = kept.iter().find(reaches_beyond);
+        if beyond.is_some() || (share - 1.0).abs() > TOLERANCE {
+            return Err(MeshError::NotExtruded {
+                axis: axis.name(),
+                element: self.element_tags[*beyond.unwrap_or(&first) as usize],
+                share,
+            });
+        }
+        self.layer(&kept, axis, [(low, from), (high, to)], tolerance)
+    }
+
+    /// The mesh of some elements; facets in planes that are not in it (m) move to others that are.
+    fn layer(
+        &self,
+        kept: &[u32],
+        axis: Axis,
+        planes: [(f64, f64); 2],
+        tolerance: f64,
+    ) -> Result<Self, MeshError> {
+        let nodes = self.nodes_of_elements(kept);
+        let number = |node: &u32| self.node_tags[*node as usize];
+        let mut builder = Self::builder();
+        for &node in &nodes {
+            builder.node(number(&node), self.positions[node as usize]);
+        }
+        let is_kept = |element: &u32| kept.binary_search(element).is_ok();
+        for &element in kept {
+            let corners: Vec<u64> = self.nodes_of(element).iter().map(number).collect();
+            let tag = self.element_tags[element as usize];
+            builder.element(tag, self.kind(element), &corners, &[] as &[&str]);
+        }
+        let mut slice = builder.build()?;
+        let place = |all: &[u32], one: &u32| all.binary_search(one).ok().map(|place| place as u32);
+        for (name, elements) in &self.element_sets {
+            let of_slice = elements.iter().filter_map(|e| place(kept, e)).collect();
+            slice.set_element_set(name, of_slice)?;
+        }
+        for (name, set) in &self.node_sets {
+            let of_slice = set.iter().filter_map(|node| place(&nodes, node)).collect();
+            slice.set_node_set(name, of_slice)?;
+        }
+        let sides = planes.map(|(end, side)| {
+            let facets = slice.facets_on_plane(axis, side, tolerance);
+            (end, Opposite::new(&slice, axis, &facets, tolerance))
+        });
+        for (name, facets) in &self.facet_sets {
+            let of_slice = facets.iter().filter(|facet| is_kept(&facet.element));
+            let of_slice = of_slice.filter_map(|facet| {
+                let element = place(kept, &facet.element)?;
+                Some(Facet { element, ..*facet })
+            });
+            let mut of_slice: BTreeSet<Facet> = of_slice.collect();
+            for (end, side) in &sides {
+                let nodes_of = |facet: Facet| self.facet_nodes(facet).into_iter();
+                let along = |node: u32| self.positions[node as usize][axis.index()];
+                let on_end =
+                    |facet: Facet| nodes_of(facet).all(|n| (along(n) - end).abs() <= tolerance);
+                let at_end = facets.iter().filter(|&&facet| on_end(facet));
+                of_slice.extend(at_end.filter_map(|&facet| side.facing(self, facet)));
+            }
+            slice.set_facet_set(name, of_slice.into_iter().collect())?;
+        }
+        Ok(slice)
+    }
+
+    /// The volume of some elements (m3), by the divergence theorem on their sides.
+    fn volume(&self, elements: &[u32]) -> f64 {
+        let of_element = |&element: &u32| -> f64 {
+            let sides = 0..self.kind(element).sides().len() as u8;
+            let middle = self.centroid(element);
+            let flux = |side: u8| {
+                let geometry = self.facet_geometry(Facet { element, side });
+                let parts = geometry.nodes.iter().zip(&geometry.shares);
+                let parts =
+                    parts.map(|(&n, share)| share.dot(&(self.positions[n as usize] - middle)));
+                parts.sum::<f64>()
+            };
+            sides.map(flux).sum::<f64>() / 3.0
+        };
+        elements.iter().map(of_element).sum()
+    }
+}
+
+/// The facets of a plane across an axis, found by where their centroids lie in it.
+struct Opposite {
+    across: [usize; 2],
+    cell: f64,
+    facets: HashMap<[i64; 2], Facet>,
+}
+
+impl Opposite {
+    fn new(mesh: &Mesh, axis: Axis, facets: &[Facet], tolerance: f64) -> Self {
+        let axis = axis.index();
+        let mut opposite = Self {
+            across: [(axis + 1) % 3, (axis + 2) % 3],
+            // Rounding moves a centroid by less than a cell.
+            cell: 2.0 * tolerance,
+            facets: HashMap::with_capacity(facets.len()),
+        };
+        for &facet in facets {
+            let place = opposite.place(mesh, facet);
+            opposite.facets.insert(place, facet);
+        }
+        opposite
+    }
+
+    fn place(&self, mesh: &Mesh, facet: Facet) -> [i64; 2] {
+        let centroid = mesh.facet_geometry(facet).centroid;
+        self.across
+            .map(|axis| (centroid[axis] / self.cell).round() as i64)
+    }
+
+    /// The facet that faces another one along the axis.
+    fn facing(&self, mesh: &Mesh, facet: Facet) -> Option<Facet> {
+        let [a, b] = self.place(mesh, facet);
+        let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [a + i, b + j]));
+        around
+            .into_iter()
+            .find_map(|place| self.facets.get(&place).copied())
+    }
+}

@@ -1,0 +1,281 @@
+//! Planes about which the body and its motion are symmetric or antisymmetric.
+
+use powerhouse_explicit_core::Support;
+use powerhouse_model::{Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
+use thiserror::Error;
+
+use super::Scene;
+use crate::Error;
+
+/// How the other half of a body moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parity {
+    /// As the mirror image of this half.
+    Symmetric,
+    /// As the mirror image with the opposite sign.
+    Antisymmetric,
+}
+
+impl Parity {
+    /// Its name in messages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Symmetric => "symmetric",
+            Self::Antisymmetric => "antisymmetric",
+        }
+    }
+
+    /// A vector as the other half has it: `v - 2 (v.n) n`, with the opposite sign if antisymmetric.
+    fn image(self, normal: &Vec3, vector: &Vec3) -> Vec3 {
+        let mirrored = reflected(normal, vector);
+        match self {
+            Self::Symmetric => mirrored,
+            Self::Antisymmetric => -mirrored,
+        }
+    }
+}
+
+/// A plane at which half of a body stands for the whole.
+///
+/// Nodes on it do not move along its normal if the motion is symmetric, nor across the normal if it is
+/// antisymmetric. Loads and prescribed motions are taken to have the same parity; waves, weights and
+/// materials are looked at when the scene is prepared. A vertical plane is symmetric for P and SV waves
+/// that travel along it, antisymmetric for SH waves that do, and for SV waves that come straight up
+/// with their motion along its normal.
+///
+/// ```
+/// use powerhouse::{Mirror, Parity};
+/// use powerhouse::model::{Mesh, Vec3};
+/// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(4.0), [4; 3], "rock")?;
+/// let nodes = mesh.nodes_of_facets(mesh.facet_set("left")?);
+/// let mirror = Mirror { nodes, normal: Vec3::x(), parity: Parity::Symmetric };
+/// assert_eq!(mirror.nodes.len(), 25);
+/// # Ok::<(), powerhouse::model::MeshError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mirror {
+    /// Nodes on the plane (mesh indices): all that the body has there.
+    pub nodes: Vec<u32>,
+    /// Normal of the plane, of any length but zero.
+    pub normal: Vec3,
+    /// How the other half moves.
+    pub parity: Parity,
+}
+
+impl Mirror {
+    /// What holds the nodes.
+    pub(crate) fn supports(&self) -> Vec<Support> {
+        let directions = match self.parity {
+            Parity::Symmetric => vec![self.normal],
+            Parity::Antisymmetric => {
+                // The axis that is farthest from the normal, across it, and the third direction.
+                let axis = Vec3::ith(self.normal.iamin(), 1.0);
+                let across = self.normal.cross(&axis);
+                vec![across, self.normal.cross(&across)]
+            }
+        };
+        let roller = |direction| Support::roller(self.nodes.clone(), direction);
+        directions.into_iter().map(roller).collect()
+    }
+}
+
+/// Why half of a body does not stand for the whole.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MirrorError {
+    /// No plane.
+    #[error("a plane of symmetry needs nodes and a normal")]
+    Nothing,
+    /// A node that is not on the plane of the others.
+    #[error("node {node} lies {distance:.3e} m off the plane of symmetry")]
+    OffPlane {
+        /// The user's number.
+        node: u64,
+        /// Its distance from the plane (m).
+        distance: f64,
+    },
+    /// Nodes on both sides.
+    #[error("the body stands on both sides of the plane of symmetry: node {node} lies beyond it")]
+    BothSides {
+        /// The user's number of a node on the smaller side.
+        node: u64,
+    },
+    /// An absorbing face in the plane.
+    #[error("the absorbing face '{face}' lies in the plane of symmetry")]
+    Absorbs {
+        /// The face.
+        face: String,
+    },
+    /// Waves or weights of another parity.
+    #[error(
+        "{what} is not {parity} about this plane: it differs from its image by {deviation:.3} of its peak"
+    )]
+    Parity {
+        /// What is not: a field, or a weight.
+        what: String,
+        /// What it should be.
+        parity: &'static str,
+        /// The largest difference over the peak.
+        deviation: f64,
+    },
+    /// Antisymmetry of something that answers to tension and pressure differently.
+    #[error(
+        "{what} is not elastic: it does not answer to the opposite motion with the opposite force"
+    )]
+    Nonlinear {
+        /// A part, a joint, or an initial stress.
+        what: String,
+    },
+}
+
+/// What is off the plane by less than this share of the mesh's diagonal is on it.
+const TOLERANCE: f64 = 1e-6;
+/// A field has a parity if it differs from its image by no more than this share of its peak: tables of
+/// waves past the critical angle are as exact in displacement.
+const PARITY_TOLERANCE: f64 = 1e-5;
+/// Points and instants at which a field is looked at.
+const POINTS: usize = 64;
+const INSTANTS: usize = 400;
+
+fn reflected(normal: &Vec3, vector: &Vec3) -> Vec3 {
+    vector - normal * (2.0 * vector.dot(normal))
+}
+
+impl Scene {
+    /// Sees that half of the body stands for the whole at every plane of symmetry.
+    ///
+    /// # Errors
+    /// The index of the first plane at which it does not, and why.
+    pub(super) fn check_mirrors(&self) -> Result<(), (usize, Error)> {
+        for (index, mirror) in self.mirrors.iter().enumerate() {
+            self.check_mirror(mirror).map_err(|error| (index, error))?;
+        }
+        Ok(())
+    }
+
+    fn check_mirror(&self, mirror: &Mirror) -> Result<(), Error> {
+        let normal = mirror.normal.try_normalize(0.0);
+        let (Some(normal), Some(&first)) = (normal, mirror.nodes.first()) else {
+            return Err(MirrorError::Nothing.into());
+        };
+        let positions = self.mesh.positions();
+        if mirror
+            .nodes
+            .iter()
+            .any(|&node| node as usize >= positions.len())
+        {
+            // Supports on nodes that are not there are refused with the model.
+            return Ok(());
+        }
+        let origin = positions[first as usize];
+        let (low, high) = self.mesh.bounding_box();
+        let tolerance = TOLERANCE * (high - low).norm();
+        let height = |node: u32| (positions[node as usize] - origin).dot(&normal);
+        let tag = |node: u32| self.mesh.node_tags()[node as usize];
+        if let Some(&node) = mirror.nodes.iter().find(|&&n| height(n).abs() > tolerance) {
+            let (node, distance) = (tag(node), height(node).abs());
+            return Err(MirrorError::OffPlane { node, distance }.into());
+        }
+        let all = || 0..positions.len() as u32;
+        let above: Vec<u32> = all().filter(|&node| height(node) > tolerance).collect();
+        let below: Vec<u32> = all().filter(|&node| height(node) < -tolerance).collect();
+        let smaller = if above.len() < below.len() {
+            above
+        } else {
+            below
+        };
+        if let Some(&node) = smaller.first() {
+            return Err(MirrorError::BothSides { node: tag(node) }.into());
+        }
+        let in_plane = |facet: &Facet| {
+            let nodes = self.mesh.facet_nodes(*facet);
+            nodes.iter().all(|&node| height(node).abs() <= tolerance)
+        };
+        for (face, facets) in self.absorbing_facets()? {
+            if facets.iter().any(in_plane) {
+                return Err(MirrorError::Absorbs { face: face.into() }.into());
+            }
+        }
+        if mirror.parity == Parity::Antisymmetric {
+            self.check_linear()?;
+        }
+        for (weight, _) in &self.weights {
+            let deviation = (weight - mirror.parity.image(&normal, weight)).norm() / weight.norm();
+            if deviation > TOLERANCE {
+                return Err(MirrorError::Parity {
+                    what: "a weight".into(),
+                    parity: mirror.parity.name(),
+                    deviation,
+                }
+                .into());
+            }
+        }
+        match &self.field {
+            Some(field) => self.check_parity(field.as_ref(), mirror.parity, (&origin, &normal)),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses what has no opposite.
+    fn check_linear(&self) -> Result<(), Error> {
+        let parts = self.parts.iter().filter(|part| !part.material.is_linear());
+        let parts = parts.map(|part| format!("part '{}'", part.set));
+        let joints = self.joints.iter();
+        let joints = joints.map(|joint| format!("joint '{}'", joint.name));
+        let stress = self.in_situ_stress.iter();
+        let stress = stress.map(|_| "a body with an initial stress".to_owned());
+        match parts.chain(joints).chain(stress).next() {
+            Some(what) => Err(MirrorError::Nonlinear { what }.into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Compares a field with its image.
+    fn check_parity(
+        &self,
+        field: &dyn IncidentField,
+        parity: Parity,
+        (origin, normal): (&Vec3, &Vec3),
+    ) -> Result<(), Error> {
+        let positions = self.mesh.positions();
+        let stride = positions.len().div_ceil(POINTS).max(1);
+        let points: Vec<Vec3> = positions.iter().step_by(stride).copied().collect();
+        let images: Vec<Vec3> = (points.iter())
+            .map(|point| origin + reflected(normal, &(point - origin)))
+            .collect();
+        let here = field.prepare(&points)?;
+        let there = field.prepare(&images)?;
+        let (mut peak, mut worst) = (0.0_f64, 0.0_f64);
+        for instant in 0..=INSTANTS {
+            let time = self.start + self.duration * instant as f64 / INSTANTS as f64;
+            let (here, there) = (moved(here.as_ref(), time), moved(there.as_ref(), time));
+            for (here, there) in here.iter().zip(&there) {
+                let difference = (here - parity.image(normal, there)).norm();
+                peak = peak.max(here.norm());
+                // What is no number is worse than anything.
+                worst = if difference <= worst {
+                    worst
+                } else {
+                    difference
+                };
+            }
+        }
+        if worst <= PARITY_TOLERANCE * peak {
+            return Ok(());
+        }
+        Err(MirrorError::Parity {
+            what: format!("the field '{}'", field.name()),
+            parity: parity.name(),
+            deviation: worst / peak,
+        }
+        .into())
+    }
+}
+
+/// Displacements of a field (m).
+fn moved(sampler: &dyn FieldSampler, time: f64) -> Vec<Vec3> {
+    let mut motion = vec![FieldMotion::default(); sampler.len()];
+    sampler.add_motion(time, &mut motion);
+    motion.iter().map(|motion| motion.displacement).collect()
+}
