@@ -62,7 +62,11 @@
 //! incident peak, with the wave in closed form 0.13, 0.032 and 0.011 of it in 8, 16 and 32 bricks to
 //! 120 m (example `domain_reduction`). Where the mesh is deep and coarse it pays: transients around
 //! a cavity under a shear wave err by 2.9 % instead of 8.5 % on the same mesh (example
-//! `cavity_scattering`). It costs its layer's matrices, and results beyond it.
+//! `cavity_scattering`). It costs its layer's matrices, and results beyond it. Scenes name the region
+//! that it surrounds: `region = { set = "near" }` in their `[boundary]`.
+//!
+//! Which of them a scene needs for a stated error, `powerhouse advise boundary SCENE` says; the example
+//! `boundary_advice` runs three scenes with what it names.
 //!
 //! `cargo run --release --example boundary_price` and `--example spherical_cavity` measure all of
 //! this anew; the input of a field costs what `cargo bench --bench boundary` tells.

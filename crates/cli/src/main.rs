@@ -1,8 +1,9 @@
 //! The command `powerhouse`: run and check scenes, drive points of their materials.
 //!
-//! Exit status: 0 if all is well, 1 if a check warns, 2 if something is refused or fails, 130 if
+//! Exit status: 0 if all is well, 1 if a check warns or advice finds nothing, 2 if something is refused or fails, 130 if
 //! a run was interrupted (its output is complete up to there).
 
+mod advise;
 mod check;
 mod drive;
 mod mesh;
@@ -27,7 +28,7 @@ use powerhouse_study::trade::{Goal, Reference};
 #[derive(Parser)]
 #[command(
     version,
-    after_help = "Exit status: 0 all is well, 1 a check warns, 2 refused or failed, 130 interrupted."
+    after_help = "Exit status: 0 all is well, 1 a check warns or advice finds nothing, 2 refused or failed, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -58,6 +59,11 @@ enum Command {
         /// The case of the scene, in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
+    },
+    /// Say which choice a scene needs for a stated error.
+    Advise {
+        #[command(subcommand)]
+        choice: Choice,
     },
     /// Lead one point of a material along a path of strain and stress.
     Drive {
@@ -135,6 +141,21 @@ enum Against {
     ClosedForm,
 }
 
+#[derive(Subcommand)]
+enum Choice {
+    /// The cheapest absorbing boundary, with its predicted error and cost, and the table for the scene.
+    Boundary {
+        /// The scene file.
+        scene: PathBuf,
+        /// The permitted error: of displacement and velocity, over the run, at the worst place.
+        #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = advise::share)]
+        error: f64,
+        /// The case of the scene, in place of the scene itself.
+        #[arg(long, value_name = "NAME")]
+        case: Option<String>,
+    },
+}
+
 /// What a command ends with.
 type Outcome = Result<ExitCode, Box<dyn std::error::Error>>;
 
@@ -158,6 +179,9 @@ fn main() -> ExitCode {
             free_field: true,
             case,
         } => check::free_field(&scene, case.as_deref()),
+        Command::Advise {
+            choice: Choice::Boundary { scene, error, case },
+        } => advise::boundary(&scene, case.as_deref(), error),
         Command::Drive {
             law,
             path,

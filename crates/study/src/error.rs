@@ -83,6 +83,49 @@ pub enum StudyError {
         /// The number.
         cells: usize,
     },
+    /// A scene without absorbing faces.
+    #[error("the scene has no absorbing boundary")]
+    NoBoundary,
+    /// Absorbing faces before several media.
+    #[error("the absorbing faces stand before {count} different media")]
+    SeveralMedia {
+        /// How many.
+        count: usize,
+    },
+    /// A field of which nobody says what waves it is made of.
+    #[error("the scene's field is not known to be a sum of plane waves")]
+    UnknownField,
+    /// A scene in which nothing moves.
+    #[error("nothing drives this scene")]
+    Undriven,
+    /// Faces too near for a prediction.
+    #[error(
+        "an absorbing face {distance:.2} m from what scatters leaves no room for a prediction: it takes {least:.2} m"
+    )]
+    NearFace {
+        /// The distance from the centre of what scatters (m).
+        distance: f64,
+        /// The least distance (m).
+        least: f64,
+    },
+    /// A face that is not plane, or empty.
+    #[error("the face '{face}' is not plane, so that no ground can be put before it")]
+    NotPlane {
+        /// The face.
+        face: String,
+    },
+    /// Histories that were recorded at different instants.
+    #[error(
+        "two runs were recorded {} and {} times, up to {apart:.3e} s apart",
+        counts[0],
+        counts[1]
+    )]
+    DifferentTimes {
+        /// Instants of both.
+        counts: [usize; 2],
+        /// The largest difference (s).
+        apart: f64,
+    },
     /// No field comes in.
     #[error("the scene has no incident field to check")]
     NoField,

@@ -72,7 +72,7 @@ pub struct PointError {
 ///
 /// The box is that of the scene's mesh, of the medium behind its absorbing faces, cut into equal
 /// bricks as long as the longest edge of the parts there. It has the scene's boundary, field and
-/// kernel, no damping and no structure; supports and periodic pairs that hold the whole of a side
+/// kernel, a region around which the field enters within the box around the scene's, no damping and no structure; supports and periodic pairs that hold the whole of a side
 /// hold it here too. It is compared at the middle of its top and at the scatterer.
 pub struct FreeFieldCheck {
     elastic: Scene,
@@ -133,11 +133,15 @@ impl FreeFieldCheck {
         }
         let mut boundary = boundary.clone();
         boundary.scatterer = Some(centre);
-        let compose = |part: Part| {
+        let region = boundary.region.take();
+        let region = region.and_then(|region| region_in(scene.mesh(), &region, &mesh));
+        let compose = |part: Part, region: Option<Vec<u32>>| {
+            let mut boundary = boundary.clone();
+            boundary.region = region;
             let mut composed = Scene::new(format!("{}: free field", scene.title()), mesh.clone())
                 .part(part)
                 .shared_field(field.clone())
-                .boundary(boundary.clone())
+                .boundary(boundary)
                 .start(start, scene.initial_motion())
                 .duration(window)
                 .output(output.clone());
@@ -151,8 +155,9 @@ impl FreeFieldCheck {
         };
         let (part, damped) = ground(scene, field.medium())?;
         Ok(Self {
-            damped: damped.map(&compose),
-            elastic: compose(part),
+            // Damped ground is no layer for an elastic field.
+            damped: damped.map(|part| compose(part, None)),
+            elastic: compose(part, region),
             cells,
             sampler,
             points,
@@ -301,6 +306,28 @@ fn cells(scene: &Scene) -> Result<[usize; 3], StudyError> {
     Ok(core::array::from_fn(|axis| {
         ((extent[axis] / longest + 1e-6).floor() as usize).max(1)
     }))
+}
+
+/// The bricks of a box within that of a region of another mesh, but for those that touch its sides and
+/// bottom; nothing if there are none.
+fn region_in(mesh: &Mesh, region: &[u32], ground: &Mesh) -> Option<Vec<u32>> {
+    let positions = |nodes: Vec<u32>| {
+        nodes
+            .into_iter()
+            .map(|node| mesh.positions()[node as usize])
+    };
+    let infinite = Vec3::repeat(f64::INFINITY);
+    let nodes = positions(mesh.nodes_of_elements(region));
+    let (low, high) = nodes.fold((infinite, -infinite), |(low, high), x| {
+        (low.inf(&x), high.sup(&x))
+    });
+    let faces = ["left", "right", "front", "back", "bottom"];
+    let sides = faces.iter().filter_map(|face| ground.facet_set(face).ok());
+    let on_sides = ground.nodes_of_facets(&sides.flatten().copied().collect::<Vec<_>>());
+    let touches = |node: &u32| on_sides.binary_search(node).is_ok();
+    let mut within = ground.elements_in_box(&low, &high);
+    within.retain(|&element| !ground.nodes_of(element).iter().any(touches));
+    (!within.is_empty()).then_some(within)
 }
 
 /// The part behind the absorbing faces, elastic and undamped, with its kernel if that takes bricks;

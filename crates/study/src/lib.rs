@@ -1,5 +1,5 @@
-//! What is built on whole scenes: checks, predictions, the free-field self-check, sweeps, reports, the
-//! mesh of a machine bay, and meshes of sites with known answers.
+//! What is built on whole scenes: checks, predictions, advice, the free-field self-check, sweeps, reports,
+//! the mesh of a machine bay, and meshes of sites with known answers.
 //!
 //! [`check`] looks at a scene without running it: mesh quality, the frequencies that its elements
 //! carry, the stable step and who limits it, and what a run will cost. [`FreeFieldCheck`] computes
@@ -7,6 +7,9 @@
 //! is the error of mesh, step and boundary, on which no result of the scene can improve. [`mod@sweep`]
 //! runs the cases of a scene, [`trade`] finds what accuracy costs it, [`write_report`] tells of them on one page, and [`bay`] makes the mesh of
 //! a machine bay, which scenes name through [`registry`].
+//!
+//! [`advise_boundary`] names the absorbing boundary that a scene needs for a stated error;
+//! [`probe_errors`] and [`grown`](fn@grown) measure what a scene's own boundary does to it.
 //!
 //! [`OpeningSlice`] and [`ShellOctant`] are meshes of ground around a round opening, for studies of
 //! what an opening does to waves and of what a boundary does to their results.
@@ -21,13 +24,16 @@
 //! *It runs undamped.* The free field is elastic, so a damped box cannot reproduce it. Where the
 //! ground of a scene is damped, the error with that damping is told beside.
 
+pub mod advice;
 pub mod bay;
 mod check;
 mod conclusions;
 mod cost;
+mod difference;
 mod error;
 mod excerpt;
 mod free_field;
+mod grown;
 mod joints;
 mod mark;
 mod names;
@@ -41,11 +47,14 @@ mod sides;
 pub mod sweep;
 pub mod trade;
 
+pub use advice::{BoundaryAdvice, advise_boundary};
 pub use check::{CheckReport, Warning, check, warnings};
 pub use conclusions::{Conclusion, Verdict, conclusions};
 pub use cost::Cost;
+pub use difference::{ProbeError, largest_error, probe_errors};
 pub use error::StudyError;
 pub use free_field::{FreeFieldCheck, FreeFieldReport, PointError};
+pub use grown::grown;
 pub use joints::JointOverview;
 pub use names::registry;
 pub use opening_slice::OpeningSlice;

@@ -66,7 +66,7 @@ fn longest_edge(mesh: &Mesh, element: u32) -> f64 {
 }
 
 /// Energy of acceleration against frequency (Hz).
-type Spectrum = Vec<(f64, f64)>;
+pub(crate) type Spectrum = Vec<(f64, f64)>;
 
 /// The incoming motion and the records, if parts cannot carry all of them; a field that brings no
 /// motion in the time of the run.
@@ -108,7 +108,7 @@ pub(crate) fn doubts(scene: &Scene, resolution: &[Resolution]) -> Result<Vec<War
 }
 
 /// The spectrum of the field's motion in the middle of the mesh's top, if there is a field.
-fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
+pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
     let Some(field) = scene.incident_field() else {
         return Ok(None);
     };

@@ -1,0 +1,45 @@
+//! `powerhouse advise`.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use powerhouse_study::advise_boundary;
+
+use crate::{Outcome, WARNED, read};
+
+/// A share such as `5%` or `0.05`.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(number) => (number, 0.01),
+        None => (text, 1.0),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && unit * number <= 1.0 => Ok(unit * number),
+        _ => Err("a share above 0 and up to 1, such as 5% or 0.05".into()),
+    }
+}
+
+/// Names the boundary that a scene needs; the exit status is 1 if none is good enough.
+pub(crate) fn boundary(path: &Path, case: Option<&str>, error: f64) -> Outcome {
+    let advice = advise_boundary(&read(path, case)?, error)?;
+    print!("{advice}");
+    Ok(match advice.named() {
+        Some(_) => ExitCode::SUCCESS,
+        None => ExitCode::from(WARNED),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::share;
+
+    /// Shares come as numbers or in per cent; anything else is refused.
+    #[test]
+    fn shares_are_read() {
+        assert_eq!(share("0.05"), Ok(0.05));
+        assert!((share("2.5%").unwrap() - 0.025).abs() < 1e-15);
+        for wrong in ["", "%", "0", "-1%", "five", "101%", "1.01", "nan"] {
+            assert!(share(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! Which absorbing boundary a scene needs for a stated error.
+//!
+//! # What is predicted
+//! The error of a boundary is by how much displacement and velocity differ from those with so much more
+//! ground around that nothing comes back from its faces in time: `sqrt(sum |x - y|^2 / sum |y|^2)` over
+//! the run, the larger of both at the worst place that is recorded. A run of the scene and one of the
+//! same mesh [`grown`](fn@crate::grown) measure it ([`probe_errors`](crate::probe_errors)).
+//!
+//! It is predicted by running a small model of the same question: in place of the structure a circular
+//! opening of its radius, at its depth, in a slice of ground one element thick with the scene's ground
+//! and the distances of its nearest faces, under the scene's waves. One pulse carries all frequencies;
+//! spectra weigh them as the scene's own motion has them. Loads become a sudden, lasting pressure in the
+//! opening, or in a sphere where waves spread to all sides.
+//!
+//! # Why so
+//! *By a run, not by a formula.* Closed forms tell what a face returns of a plane wave at an angle. How
+//! much of the motion scatters, at which angles it arrives, what surface waves do at a face (they carry
+//! most of what comes back to a shallow opening, and have no closed form there), and how much of what
+//! is returned is felt at the structure: a slice of some thousand elements knows all of it in seconds.
+//!
+//! *On the safe side by its kind, not by factors.* An opening scatters at least as much as a structure
+//! of its size; waves in a slice decay with the root of the distance, those of a compact structure with
+//! the distance; the nearest face stands for all. Shorter waves than the slice carries are left out,
+//! of which springs return less than of the longer ones.
+//!
+//! *Costs are alike.* All of these boundaries are springs and dashpots in the velocity solve of their
+//! nodes: they differ in what they return, not in what they cost, and the one that errs least among
+//! those of one cost is named. A field that enters through a layer (`region` in a scene) is not among
+//! them: its boundary returns what it returns with any input.
+
+mod band;
+mod candidate;
+mod opening;
+mod report;
+mod setting;
+mod shell;
+
+pub use band::Band;
+pub use candidate::{BoundaryKind, Standing};
+pub use setting::{ArrivingWave, Drive, Setting};
+
+use std::sync::Arc;
+
+use powerhouse::boundary::Spreading;
+use powerhouse::model::{AbsorbingBoundary, ParameterError};
+use powerhouse::{Error, Scene};
+
+use crate::StudyError;
+use opening::{Mover, Opening};
+use shell::Shell;
+
+/// Nanoseconds of springs and dashpots per node and step (example `boundary_price`), and of the input of
+/// a wave with what the surface reflects of it, below and past the critical angle (`cargo bench --bench
+/// boundary`); one thread, double precision.
+const NODE_NANOSECONDS: f64 = 40.0;
+const WAVE_NANOSECONDS: [f64; 2] = [24.0, 38.0];
+/// Nanoseconds of an elastic brick and step (`cargo bench --bench step`).
+const ELEMENT_NANOSECONDS: f64 = 31.0;
+/// So many times farther are the faces moved where no boundary is good enough.
+const FARTHER: [f64; 2] = [1.5, 2.0];
+
+/// What a boundary is predicted to return and to cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// The boundary.
+    pub kind: BoundaryKind,
+    /// The error that it is predicted to make: see the module.
+    pub predicted: f64,
+    /// Nanoseconds per absorbing node and step, with the waves that come in.
+    pub nanoseconds: f64,
+    /// The same of all nodes over an elastic step of the scene's elements.
+    pub share_of_step: f64,
+    /// Elements that it adds.
+    pub extra_elements: usize,
+    /// The stable step with it over that without: dashpots and springs stand in the velocity solve.
+    pub stable_step: f64,
+    /// Shares of P and SV waves that come straight on at the mean frequency which it returns at the
+    /// nearest face, by the closed form.
+    pub returned: [f64; 2],
+}
+
+/// Faces that are farther away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FartherFaces {
+    /// The boundary on them.
+    pub kind: BoundaryKind,
+    /// So many times as far as the scene's.
+    pub times: f64,
+    /// The error that is predicted there.
+    pub predicted: f64,
+}
+
+/// Which boundary a scene needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundaryAdvice {
+    /// The scene's title.
+    pub title: String,
+    /// What decides.
+    pub setting: Setting,
+    /// The stated error.
+    pub error: f64,
+    /// All candidates, the best first: those that meet the error by cost and then by error, the others
+    /// by error.
+    pub candidates: Vec<Candidate>,
+    /// Without one that meets it: how far the faces would have to be, as far as was tried.
+    pub farther: Option<FartherFaces>,
+    /// Elements of the model that was run, and of its enlarged twin; none if nothing scatters.
+    pub model: Option<[usize; 2]>,
+    /// The highest frequency that it carried (Hz).
+    pub highest: f64,
+    /// Names of the faces of the bottom.
+    bottom: Vec<String>,
+    faces: Vec<String>,
+    standing: Standing,
+}
+
+impl BoundaryAdvice {
+    /// The boundary that is named: the cheapest whose predicted error is the stated one or less.
+    #[must_use]
+    pub fn named(&self) -> Option<&Candidate> {
+        let first = self.candidates.first();
+        first.filter(|first| first.predicted <= self.error)
+    }
+
+    /// A candidate as the scene would have it.
+    ///
+    /// # Errors
+    /// None but for faces at the structure itself.
+    pub fn condition(&self, kind: BoundaryKind) -> Result<Arc<dyn AbsorbingBoundary>, StudyError> {
+        let condition = kind.condition(&self.standing, &self.bottom);
+        Ok(condition.map_err(Error::from)?)
+    }
+}
+
+/// The cheapest absorbing boundary of a scene that is predicted to err by no more than a share.
+///
+/// # Errors
+/// A scene without a boundary, or in which nothing moves; a field that is not known to be made of plane
+/// waves ([`Scene::plane_waves`] says so); faces that leave no room for a prediction.
+pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, StudyError> {
+    ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
+    let setting = Setting::of(scene)?;
+    let faces = scene
+        .absorbing_boundary()
+        .map_or(Vec::new(), |b| b.faces.clone());
+    let bottom = bottom_faces(scene)?;
+    let kinds: Vec<BoundaryKind> = (BoundaryKind::ALL.into_iter())
+        .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&setting, &bottom))
+        .collect();
+    let found = predictions(&setting, 1.0, &kinds)?;
+    let distances = setting.least_distances();
+    let standing = Standing {
+        medium: setting.medium,
+        spreading: setting.spreading,
+        distances,
+    };
+    let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
+    let mean = match &setting.drive {
+        Drive::Waves { band, .. } => band.mean(),
+        Drive::Loads { .. } => found.highest,
+    };
+    let nanoseconds = NODE_NANOSECONDS + input_nanoseconds(&setting);
+    let nodes = setting.absorbing_nodes as f64;
+    let share_of_step = nodes * nanoseconds / (setting.elements as f64 * ELEMENT_NANOSECONDS);
+    let mut candidates = Vec::with_capacity(kinds.len());
+    for (kind, predicted) in kinds.iter().zip(&found.errors) {
+        candidates.push(Candidate {
+            kind: *kind,
+            predicted: *predicted,
+            nanoseconds,
+            share_of_step,
+            extra_elements: 0,
+            stable_step: 1.0,
+            returned: kind
+                .returned(&standing, nearest, mean)
+                .map_err(Error::from)?,
+        });
+    }
+    rank(&mut candidates, error);
+    let mut advice = BoundaryAdvice {
+        title: scene.title().to_owned(),
+        error,
+        candidates,
+        farther: None,
+        model: found.model,
+        highest: found.highest,
+        bottom,
+        faces,
+        standing,
+        setting,
+    };
+    if advice.named().is_none() {
+        advice.farther = farther(&advice)?;
+    }
+    Ok(advice)
+}
+
+/// Best first; sorting keeps the simpler of equals first.
+fn rank(candidates: &mut [Candidate], error: f64) {
+    candidates.sort_by(|a, b| {
+        let misses = |c: &Candidate| c.predicted.is_nan() || c.predicted > error;
+        let by_cost = match misses(a) {
+            true => core::cmp::Ordering::Equal,
+            false => a.nanoseconds.total_cmp(&b.nanoseconds),
+        };
+        (misses(a).cmp(&misses(b)))
+            .then(by_cost)
+            .then(a.predicted.total_cmp(&b.predicted))
+    });
+}
+
+/// What was found of some boundaries.
+struct Predictions {
+    errors: Vec<f64>,
+    model: Option<[usize; 2]>,
+    /// The highest frequency (Hz).
+    highest: f64,
+}
+
+/// The errors of boundaries on faces so many times as far as the setting's.
+fn predictions(
+    setting: &Setting,
+    farther: f64,
+    kinds: &[BoundaryKind],
+) -> Result<Predictions, StudyError> {
+    let Some(radius) = setting.radius else {
+        // Nothing scatters: the body moves as the field does, and faces carry nothing.
+        return Ok(Predictions {
+            errors: vec![0.0; kinds.len()],
+            model: None,
+            highest: setting.medium.s_speed() / setting.least_distances()[0],
+        });
+    };
+    // Waves as long as what they come from.
+    let of_radius = setting.medium.s_speed() / radius;
+    match &setting.drive {
+        Drive::Loads { duration } => {
+            let (errors, model) = match setting.spreading {
+                Spreading::Spherical => Shell::of(setting, farther, *duration)?.errors(kinds)?,
+                Spreading::Cylindrical => {
+                    let band = Band {
+                        lines: Vec::new(),
+                        highest: of_radius,
+                    };
+                    Opening::of(setting, farther, &band)?.errors(Mover::Pressure, kinds)?
+                }
+            };
+            Ok(Predictions {
+                errors,
+                model: Some(model),
+                highest: of_radius,
+            })
+        }
+        Drive::Waves { waves, band } => {
+            let opening = Opening::of(setting, farther, band)?;
+            let mut worst = vec![0.0_f64; kinds.len()];
+            let mut model = None;
+            for wave in waves {
+                let (errors, counts) = opening.errors(Mover::Wave(*wave), kinds)?;
+                for (worst, error) in worst.iter_mut().zip(errors) {
+                    // What is no number is worse than anything.
+                    *worst = if error <= *worst { *worst } else { error };
+                }
+                model = Some(counts);
+            }
+            Ok(Predictions {
+                errors: worst,
+                model,
+                highest: opening.highest(),
+            })
+        }
+    }
+}
+
+/// The least distance tried at which the best boundary meets the stated error.
+fn farther(advice: &BoundaryAdvice) -> Result<Option<FartherFaces>, StudyError> {
+    let Some(best) = advice.candidates.first() else {
+        return Ok(None);
+    };
+    for times in FARTHER {
+        let found = predictions(&advice.setting, times, &[best.kind])?;
+        if found.errors[0] <= advice.error {
+            return Ok(Some(FartherFaces {
+                kind: best.kind,
+                times,
+                predicted: found.errors[0],
+            }));
+        }
+    }
+    Ok(None)
+}
+
+/// Nanoseconds of the waves that come in, per node and step.
+fn input_nanoseconds(setting: &Setting) -> f64 {
+    let Drive::Waves { waves, .. } = &setting.drive else {
+        return 0.0;
+    };
+    let of_wave = |wave: &ArrivingWave| {
+        let ratio = setting.medium.p_speed() * wave.incidence.radians().sin();
+        let is_past =
+            wave.kind == powerhouse::wavefield::WaveKind::SV && ratio > setting.medium.s_speed();
+        WAVE_NANOSECONDS[usize::from(is_past)]
+    };
+    waves.iter().map(of_wave).sum()
+}
+
+/// Whether the surface reflects waves onto a bottom, so that the choice of its input matters.
+fn has_reflections(setting: &Setting, bottom: &[String]) -> bool {
+    match &setting.drive {
+        Drive::Waves { waves, .. } => !bottom.is_empty() && waves.iter().all(|w| !w.full_space),
+        Drive::Loads { .. } => false,
+    }
+}
+
+/// The names of absorbing faces that look down everywhere.
+fn bottom_faces(scene: &Scene) -> Result<Vec<String>, StudyError> {
+    let mesh = scene.mesh();
+    let mut names = Vec::new();
+    for (face, facets) in scene.absorbing_facets().map_err(Error::from)? {
+        let looks_down = |facet: &_| mesh.facet_geometry(*facet).normal().z < -0.999;
+        if !facets.is_empty() && facets.iter().all(looks_down) {
+            names.push(face.to_owned());
+        }
+    }
+    Ok(names)
+}

@@ -1,0 +1,140 @@
+//! How far two runs are apart where both were recorded.
+
+use std::collections::BTreeMap;
+
+use powerhouse::engine::observe::HistoryTable;
+
+use crate::StudyError;
+
+/// How far the motion at a place differs from that of another run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProbeError {
+    /// The place, by the name of its history.
+    pub probe: String,
+    /// `u` for displacement, `v` for velocity, `a` for acceleration.
+    pub quantity: char,
+    /// `sqrt(sum |x - y|^2 / sum |y|^2)` over all instants and components; not a number where the other
+    /// run does not move.
+    pub error: f64,
+}
+
+/// How far the histories of one run differ from those of another, place by place and quantity by
+/// quantity. What only one of them recorded is passed over.
+///
+/// The error of a boundary is what this tells of a run with it and a run of the same mesh with so much
+/// more ground around ([`grown`](fn@crate::grown)) that nothing comes back from its faces in time: both
+/// have the same elements and steps. Waves should enter the larger mesh through the elements behind the
+/// smaller one's faces (the region of its [`Boundary`](powerhouse::Boundary) is the smaller mesh), so that
+/// both meshes carry them equally far and nothing but the boundary differs.
+///
+/// # Errors
+/// [`StudyError::DifferentTimes`] if their instants differ by more than a millionth of the duration.
+pub fn probe_errors(
+    found: &HistoryTable,
+    reference: &HistoryTable,
+) -> Result<Vec<ProbeError>, StudyError> {
+    let counts = [found.times.len(), reference.times.len()];
+    let end = reference.times.last().copied().unwrap_or_default();
+    let span = end - reference.times.first().copied().unwrap_or_default();
+    let pairs = found.times.iter().zip(&reference.times);
+    let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    if counts[0] != counts[1] || apart > 1e-6 * span {
+        return Err(StudyError::DifferentTimes { counts, apart });
+    }
+    let mut sums: BTreeMap<(String, char), [f64; 2]> = BTreeMap::new();
+    for expected in &reference.columns {
+        let (Some(column), Some(place)) = (found.column(&expected.name), place(&expected.name))
+        else {
+            continue;
+        };
+        let [difference, size] = sums.entry(place).or_default();
+        for (value, expected) in column.values.iter().zip(&expected.values) {
+            *difference += (value - expected).powi(2);
+            *size += expected.powi(2);
+        }
+    }
+    let errors = sums.into_iter();
+    let errors = errors.map(|((probe, quantity), [difference, size])| ProbeError {
+        probe,
+        quantity,
+        error: (difference / size).sqrt(),
+    });
+    Ok(errors.collect())
+}
+
+/// The largest of some errors; not a number if one of them is none, or if there are none.
+#[must_use]
+pub fn largest_error(errors: &[ProbeError]) -> f64 {
+    let sizes = errors.iter().map(|error| error.error.abs());
+    // What is not a number stands above all numbers in this order.
+    sizes.max_by(f64::total_cmp).unwrap_or(f64::NAN)
+}
+
+/// Place and quantity of a column such as `crown.ux`.
+fn place(column: &str) -> Option<(String, char)> {
+    let (probe, component) = column.rsplit_once('.')?;
+    let mut letters = component.chars();
+    match (letters.next(), letters.next(), letters.next()) {
+        (Some(quantity @ ('u' | 'v' | 'a')), Some('x' | 'y' | 'z'), None) => {
+            Some((probe.to_owned(), quantity))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use powerhouse::engine::observe::Column;
+
+    use super::*;
+
+    fn table(end: f64, columns: &[(&str, [f64; 2])]) -> HistoryTable {
+        let column = |(name, values): &(&str, [f64; 2])| Column {
+            name: (*name).into(),
+            unit: "m",
+            values: values.to_vec(),
+        };
+        HistoryTable {
+            times: vec![0.0, end],
+            columns: columns.iter().map(column).collect(),
+        }
+    }
+
+    /// Components of one place and quantity count together, each place by itself; columns that are no
+    /// motion, or that one run lacks, are passed over; other instants are refused.
+    #[test]
+    fn errors_are_counted_by_place_and_quantity() {
+        let reference = table(
+            1.0,
+            &[
+                ("a.ux", [3.0, 0.0]),
+                ("a.uz", [0.0, 4.0]),
+                ("a.vx", [1.0, 1.0]),
+                ("b.ux", [1.0, 0.0]),
+            ],
+        );
+        let found = table(
+            1.0,
+            &[
+                ("a.ux", [3.0, 0.3]),
+                ("a.uz", [0.4, 4.0]),
+                ("a.vx", [1.0, 0.0]),
+                ("stress", [1.0, 2.0]),
+            ],
+        );
+        let errors = probe_errors(&found, &reference).unwrap();
+        let told: Vec<(&str, char)> = errors
+            .iter()
+            .map(|e| (e.probe.as_str(), e.quantity))
+            .collect();
+        assert_eq!(told, [("a", 'u'), ("a", 'v')]);
+        assert!((errors[0].error - 0.1).abs() < 1e-15);
+        assert!((largest_error(&errors) - 0.5_f64.sqrt()).abs() < 1e-15);
+        assert!(largest_error(&[]).is_nan());
+        let later = table(1.1, &[("a.ux", [3.0, 0.0])]);
+        assert!(matches!(
+            probe_errors(&later, &reference),
+            Err(StudyError::DifferentTimes { .. })
+        ));
+    }
+}

@@ -1,0 +1,241 @@
+//! Advice on boundaries: what it sees of a scene, what it names, and that scenes take it as it is.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use powerhouse::boundary::{Spreading, ViscousSpring};
+use powerhouse::engine::observe::Motion;
+use powerhouse::io::write_gmsh;
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{ElasticMedium, Mesh, Vec3};
+use powerhouse::wavefield::{
+    Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
+};
+use powerhouse::{Boundary, Material, OutputPlan, Part, Registry, RunHooks, Scene};
+use powerhouse_study::advice::{BoundaryKind, Drive, Setting};
+use powerhouse_study::{BoundaryAdvice, OpeningSlice, StudyError, advise_boundary};
+
+const ROCK: ElasticMedium = ElasticMedium {
+    young: 9.0e9,
+    poisson: 0.27,
+    density: 2750.0,
+};
+
+const OPENING: OpeningSlice = OpeningSlice {
+    radius: 2.0,
+    depth: 4.0,
+    half_width: 12.0,
+    height: 12.0,
+    fine: 1.0,
+    coarse: [1.0; 2],
+    growth: 1.0,
+};
+
+/// A slice with an opening under a P wave, as a file.
+const TEXT: &str = r#"
+title = "opening"
+[mesh]
+file = "opening.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 9.0e9
+poisson = 0.27
+density = 2750
+[[part]]
+set = "rock"
+material = "rock"
+[[support]]
+kind = "roller"
+set = "front"
+[[support]]
+kind = "roller"
+set = "back"
+[[wave]]
+kind = "p"
+incidence = 10
+pulse = { kind = "smooth", displacement = 0.01, duration = 0.06 }
+[time]
+duration = 0.12
+[[output.history]]
+name = "surface"
+at = [0, 0, 0]
+"#;
+
+const BOUNDARY: &str = r#"
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "bottom"]
+scatterer = [0, 0, -4]
+"#;
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, mesh: &Mesh) -> Self {
+        let name = format!("powerhouse-advice-{name}-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).unwrap();
+        write_gmsh(folder.join("opening.msh"), mesh).unwrap();
+        Self(folder)
+    }
+    fn read(&self, boundary: &str) -> Scene {
+        let text = format!("{TEXT}{boundary}");
+        let path = self.0.join("scene.toml");
+        Scene::from_toml(text, path, &Registry::default()).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn histories(scene: Scene) -> Vec<Vec<f64>> {
+    let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
+    let columns = results.histories.columns.into_iter();
+    columns.map(|column| column.values).collect()
+}
+
+/// A cube without anything in it, in which waves are known to be plane or are not.
+fn cube(known: bool) -> Scene {
+    let (low, high) = (Vec3::new(0.0, 0.0, -90.0), Vec3::new(90.0, 90.0, 0.0));
+    let mesh = Mesh::box_of_hexes(low, high, [6; 3], "rock").unwrap();
+    let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
+    parameters.incidence = Angle::from_degrees(20.0);
+    parameters.reference = first_hit_corner(&low, &high, &parameters.direction());
+    let pulse = Arc::new(SmoothPulse::new(0.01, 0.2).unwrap());
+    let wave = PlaneWave::new(parameters, pulse).unwrap();
+    let faces = ["left", "right", "front", "back", "bottom"];
+    let scene = Scene::new("cube", mesh)
+        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
+        .boundary(Boundary::new(ViscousSpring::default(), faces))
+        .duration(0.4);
+    match known {
+        true => scene.plane_waves(vec![wave]).unwrap(),
+        false => scene.field(wave),
+    }
+}
+
+/// Of a scene are seen: where what scatters is and how large, the faces around it, how waves spread,
+/// which waves come and up to which frequency they move the surface.
+#[test]
+fn a_setting_is_what_the_scene_says() {
+    let folder = Folder::new("setting", &OPENING.mesh().unwrap());
+    let setting = Setting::of(&folder.read(BOUNDARY)).unwrap();
+    assert!((setting.radius.unwrap() - 2.0).abs() < 1e-9);
+    assert!((setting.depth.unwrap() - 4.0).abs() < 1e-9);
+    let expected = [[Some(12.0), Some(12.0)], [None, None], [Some(8.0), None]];
+    for (found, expected) in setting
+        .distances
+        .iter()
+        .flatten()
+        .zip(expected.iter().flatten())
+    {
+        assert_eq!(found.is_some(), expected.is_some());
+        assert!((found.unwrap_or(0.0) - expected.unwrap_or(0.0)).abs() < 1e-9);
+    }
+    assert_eq!(setting.spreading, Spreading::Cylindrical);
+    let Drive::Waves { waves, band } = &setting.drive else {
+        panic!("waves come in")
+    };
+    assert_eq!((waves.len(), waves[0].kind), (1, WaveKind::P));
+    assert!((waves[0].incidence.degrees() - 10.0).abs() < 1e-12);
+    // The spectrum of a cubic spline of 0.06 s is zero at 4/0.06 = 67 Hz, and hardly more before.
+    assert!((15.0..67.0).contains(&band.highest), "{}", band.highest);
+    let energies: f64 = band.lines.iter().map(|line| line.1).sum();
+    assert!((energies - 1.0).abs() < 1e-12);
+    assert!(band.lines.windows(2).all(|pair| pair[0].0 < pair[1].0));
+}
+
+/// The best comes first, nothing is named where none is good enough, and the table that is printed makes
+/// the boundary of the advice when it is pasted into the scene.
+#[test]
+fn the_table_makes_the_boundary_that_is_named() {
+    let folder = Folder::new("table", &OPENING.mesh().unwrap());
+    let advice =
+        |error: f64| -> BoundaryAdvice { advise_boundary(&folder.read(BOUNDARY), error).unwrap() };
+    let generous = advice(0.9);
+    let named = generous.named().unwrap().clone();
+    assert!(
+        generous
+            .candidates
+            .iter()
+            .all(|c| c.predicted >= named.predicted)
+    );
+    assert!(named.predicted > 1e-4, "{}", named.predicted);
+    let table = generous.table().unwrap();
+    let pasted = histories(folder.read(&table));
+    let mut scene = folder.read(BOUNDARY);
+    let mut boundary = scene.absorbing_boundary().unwrap().clone();
+    boundary.condition = generous.condition(named.kind).unwrap();
+    scene = scene.boundary(boundary);
+    assert_eq!(pasted, histories(scene), "{table}");
+    assert!(generous.to_string().contains(&table));
+
+    // Nothing meets a billionth: the best is told, and no table.
+    let strict = advice(1e-9);
+    assert!(strict.named().is_none() && strict.table().is_none());
+    assert_eq!(strict.candidates[0].kind, named.kind);
+    assert!(
+        strict.reason().contains("no boundary meets"),
+        "{}",
+        strict.reason()
+    );
+}
+
+/// A body in which nothing scatters needs no more than dashpots; each kind's keys name its parameters.
+#[test]
+fn where_nothing_scatters_anything_will_do() {
+    let advice = advise_boundary(&cube(true), 0.05).unwrap();
+    assert_eq!(advice.setting.radius, None);
+    assert_eq!(advice.named().unwrap().kind, BoundaryKind::Viscous);
+    assert!(
+        advice
+            .candidates
+            .iter()
+            .all(|candidate| candidate.predicted == 0.0)
+    );
+    assert!(advice.reason().contains("nothing scatters"));
+    assert!(advice.table().unwrap().contains("kind = \"viscous\""));
+    // Springs of 4 G/r stand in for a distance of (lambda + 2 G) r/(4 G (1 + A)).
+    let kind = BoundaryKind::StaticSprings;
+    let standing = powerhouse_study::advice::Standing {
+        medium: ROCK,
+        spreading: Spreading::Spherical,
+        distances: [45.0; 3],
+    };
+    let face = kind.face(&standing, 45.0);
+    assert!((face.normal_spring / (4.0 * ROCK.shear() / 45.0) - 1.0).abs() < 1e-12);
+}
+
+/// Advice that cannot be given is refused with the reason.
+#[test]
+fn what_advice_needs_is_asked_for() {
+    let refused = |scene: &Scene| advise_boundary(scene, 0.05).unwrap_err();
+    assert!(matches!(refused(&cube(false)), StudyError::UnknownField));
+    let mesh = || Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(3.0), [3; 3], "rock").unwrap();
+    let rock = || Part::new("rock", Material::from(LinearElastic::new(ROCK)));
+    let bare = Scene::new("bare", mesh()).part(rock());
+    assert!(matches!(refused(&bare), StudyError::NoBoundary));
+    let still = Scene::new("still", mesh())
+        .part(rock())
+        .boundary(Boundary::new(ViscousSpring::default(), ["bottom"]))
+        .output(OutputPlan::default().history("top", Vec3::repeat(3.0), Motion::ALL));
+    assert!(matches!(refused(&still), StudyError::Undriven));
+    let narrow = OpeningSlice {
+        half_width: 4.4,
+        fine: 0.25,
+        coarse: [0.25; 2],
+        ..OPENING
+    };
+    let folder = Folder::new("narrow", &narrow.mesh().unwrap());
+    assert!(matches!(
+        refused(&folder.read(BOUNDARY)),
+        StudyError::NearFace { distance, least } if (distance - 4.4).abs() < 1e-9 && least > 4.0
+    ));
+    for wrong in [0.0, -0.1, 1.5, f64::NAN] {
+        assert!(advise_boundary(&cube(true), wrong).is_err(), "{wrong}");
+    }
+}

@@ -1,0 +1,88 @@
+//! Meshes with more ground around them.
+
+use powerhouse::model::{Facet, Mesh, Vec3};
+use powerhouse_study::{StudyError, grown};
+
+fn area(mesh: &Mesh, set: &str) -> f64 {
+    let facets = mesh.facet_set(set).unwrap();
+    facets.iter().map(|f| mesh.facet_geometry(*f).area()).sum()
+}
+
+/// A box of bricks or wedges that grows on three sides is a sound box of the larger size: nodes and
+/// elements keep their places, sets cover what they covered and go on, and the whole surface bears one
+/// name.
+#[test]
+fn a_box_grows_into_a_box() {
+    let size = Vec3::new(4.0, 3.0, 2.0);
+    // The first brick is the corner: two layers to the left, two down, and where both meet. The first
+    // wedge has no side on the left.
+    let bricks = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 3, 2], "rock");
+    let wedges = Mesh::box_of_wedges(Vec3::zeros(), size, [4, 3, 2], "rock");
+    for (mesh, of_first) in [(bricks, 9), (wedges, 3)] {
+        let mut mesh = mesh.unwrap();
+        let all = ["left", "right", "bottom"].map(|f| mesh.facet_set(f).unwrap().to_vec());
+        mesh.set_facet_set("absorbing", all.concat()).unwrap();
+        mesh.set_element_set("first", vec![0]).unwrap();
+        let mut wide = mesh.clone();
+        for (face, layers) in [
+            ("left", &[1.0, 2.0][..]),
+            ("right", &[0.5][..]),
+            ("bottom", &[1.5, 1.5][..]),
+        ] {
+            wide = grown(&wide, face, layers).unwrap();
+        }
+        assert_eq!(wide.positions()[..mesh.node_count()], *mesh.positions());
+        assert_eq!(wide.node_tags()[..mesh.node_count()], *mesh.node_tags());
+        for element in 0..mesh.element_count() as u32 {
+            assert_eq!(wide.nodes_of(element), mesh.nodes_of(element));
+        }
+        let (low, high) = wide.bounding_box();
+        assert_eq!(
+            (low, high),
+            (Vec3::new(-3.0, 0.0, -3.0), Vec3::new(4.5, 3.0, 2.0))
+        );
+        let quality = wide.check_connected().unwrap();
+        assert!(quality.least_scaled_jacobian > 0.3, "{quality:?}");
+        for (set, expected) in [
+            ("left", 15.0),
+            ("right", 15.0),
+            ("front", 37.5),
+            ("back", 37.5),
+            ("bottom", 22.5),
+            ("top", 22.5),
+            ("absorbing", 52.5),
+        ] {
+            assert!(
+                (area(&wide, set) - expected).abs() < 1e-12,
+                "{set} {}",
+                area(&wide, set)
+            );
+        }
+        let mut named: Vec<Facet> = ["left", "right", "front", "back", "bottom", "top"]
+            .iter()
+            .flat_map(|set| wide.facet_set(set).unwrap().to_vec())
+            .collect();
+        named.sort_unstable();
+        assert_eq!(named, wide.boundary_facets());
+        assert_eq!(
+            wide.element_set("rock").unwrap().len(),
+            wide.element_count()
+        );
+        assert_eq!(wide.element_set("first").unwrap().len(), of_first);
+    }
+}
+
+/// A face that is bent, a set that does not exist and a thickness of nothing are refused.
+#[test]
+fn what_cannot_grow_is_refused() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(2.0), [2; 3], "rock").unwrap();
+    let bent = mesh
+        .clone()
+        .map_positions(|p| Vec3::new(p.x, p.y, p.z * (1.0 + 0.1 * p.x * p.y)));
+    let refused = grown(&bent.unwrap(), "top", &[1.0]);
+    assert!(matches!(refused, Err(StudyError::NotPlane { face }) if face == "top"));
+    assert!(grown(&mesh, "roof", &[1.0]).is_err());
+    for thickness in [0.0, -1.0, f64::NAN] {
+        assert!(grown(&mesh, "top", &[thickness]).is_err());
+    }
+}
