@@ -5,21 +5,26 @@
 //! frequencies, and what it takes. Reflection is measured with P and SV waves in a strip that is
 //! periodic along the face and compared with the closed forms of
 //! `powerhouse::boundary::reflection`; the tables in that crate's documentation come from here.
-//! Drift is that after a million steps in each precision, which take most of the time.
+//! Costs are measured beside an elastic step of the same run. Drift is that after a million steps in each precision, which take most of the time.
 //!
 //! Run: `cargo run --release --example boundary_price`
 
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Duration;
 
 use powerhouse::boundary::reflection::{PlaneWave, reflection};
-use powerhouse::boundary::{AxisParameters, FaceCoefficients, InputMode, Viscous, ViscousSpring};
+use powerhouse::boundary::{
+    AxisParameters, FaceCoefficients, InputMode, ReductionLayer, Viscous, ViscousSpring,
+};
 use powerhouse::engine::observe::{Motion, Place};
 use powerhouse::engine::{NodalForce, Precision};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Mesh, Vec3};
+use powerhouse::wavefield::{self, Angle, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
-    Boundary, Material, OutputPlan, Part, ResidualLimit, RunHooks, Scene, Simulation, TimeStep,
+    Boundary, InitialMotion, Material, OutputPlan, Part, ResidualLimit, RunHooks, Scene,
+    Simulation, TimeStep,
 };
 use powerhouse_examples::strip::Arriving;
 use powerhouse_examples::{Figures, Outcome};
@@ -178,21 +183,70 @@ fn time_of_step(simulation: &mut Simulation) -> Outcome<Duration> {
     Ok(least)
 }
 
-/// The cost of a boundary at one of its nodes and steps (ns), and the stable step with it over that
-/// without.
-fn cost(speed_ratio: Option<f64>) -> Outcome<[f64; 2]> {
+/// What a boundary costs, measured beside the same body without it.
+struct Cost {
+    /// At one of its nodes and steps (ns).
+    nanoseconds: f64,
+    /// The same over the time of an elastic brick and step.
+    of_brick: f64,
+    /// The stable step with it over that without.
+    stable_step: f64,
+}
+
+fn cost(speed_ratio: Option<f64>) -> Outcome<Cost> {
     let cells = 16;
     let mut free = cube(cells)?.0.threads(1).prepare()?;
     let (scene, middle) = cube(cells)?;
     let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).scatterer(middle);
     let mut bounded = scene.boundary(boundary).threads(1).prepare()?;
-    let ratio = bounded.stable_step()?.step / free.stable_step()?.step;
-    let [with, without] = [time_of_step(&mut bounded)?, time_of_step(&mut free)?];
+    let stable_step = bounded.stable_step()?.step / free.stable_step()?.step;
+    let times = [time_of_step(&mut bounded)?, time_of_step(&mut free)?];
+    let [with, without] = times.map(|time| 1.0e9 * time.as_secs_f64());
     let nodes = ((cells + 1).pow(3) - cells * (cells - 1).pow(2)) as f64;
-    Ok([
-        1.0e9 * (with.as_secs_f64() - without.as_secs_f64()) / nodes,
-        ratio,
-    ])
+    let nanoseconds = (with - without) / nodes;
+    Ok(Cost {
+        nanoseconds,
+        of_brick: nanoseconds / (without / cells.pow(3) as f64),
+        stable_step,
+    })
+}
+
+/// What the input of an SV wave at 30 degrees costs through a layer of elements, per element and step
+/// (ns), and through the faces, per node and step: beside the same body without input.
+fn input_cost() -> Outcome<[f64; 2]> {
+    let cells = 16;
+    let scene = |region: Option<Vec<u32>>, waves: bool| -> Outcome<Simulation> {
+        let (scene, middle) = cube(cells)?;
+        let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, rock()?, middle.z);
+        parameters.incidence = Angle::from_degrees(30.0);
+        let pulse = Arc::new(SmoothPulse::new(1.0e-3, 0.05)?);
+        let mut boundary = Boundary::new(Viscous::default(), FACES).scatterer(middle);
+        boundary.region = region;
+        let scene = scene.boundary(boundary).threads(1);
+        let scene = match waves {
+            true => scene.plane_waves(vec![wavefield::PlaneWave::new(parameters, pulse)?])?,
+            false => scene,
+        };
+        Ok(scene
+            .start(-1.0, InitialMotion::Rest)
+            .duration(1.0e3)
+            .prepare()?)
+    };
+    let (free, middle) = cube(cells)?;
+    let half = Vec3::new(8.0, 8.0, 16.0);
+    let inside = free
+        .mesh()
+        .elements_in_box(&(middle - half), &(middle + half));
+    let layer = ReductionLayer::elements(free.mesh(), &inside).len() as f64;
+    let nodes = ((cells + 1).pow(3) - cells * (cells - 1).pow(2)) as f64;
+    let mut times = [0.0; 3];
+    for (time, (region, waves)) in
+        (times.iter_mut()).zip([(None, false), (Some(inside), true), (None, true)])
+    {
+        *time = 1.0e9 * time_of_step(&mut scene(region, waves)?)?.as_secs_f64();
+    }
+    let [without, by_layer, by_faces] = times;
+    Ok([(by_layer - without) / layer, (by_faces - without) / nodes])
 }
 
 /// Reflections at some angles and numbers, and what is left of a push after so many steps.
@@ -218,19 +272,39 @@ fn figures(angles: &[f64], numbers: &[f64], steps: usize) -> Outcome<Figures> {
 fn main() -> Outcome<ExitCode> {
     let figures = figures(&ANGLES, &NUMBERS, 1_000_000)?;
     for (name, speed_ratio) in BOUNDARIES {
-        let [nanoseconds, ratio] = cost(speed_ratio)?;
+        let cost = cost(speed_ratio)?;
         let figure = |of: &str| format!("boundary_price.{name}.{of}");
-        figures.report(
-            &figure("nanoseconds"),
-            nanoseconds,
-            "per node and step, one thread",
-        );
-        figures.report(
-            &figure("stable_step"),
-            ratio,
-            "over that without a boundary",
-        );
+        for (of, value, remark) in [
+            (
+                "nanoseconds",
+                cost.nanoseconds,
+                "per node and step, one thread",
+            ),
+            (
+                "of_brick",
+                cost.of_brick,
+                "a node over an elastic brick of the same run",
+            ),
+            (
+                "stable_step",
+                cost.stable_step,
+                "over that without a boundary",
+            ),
+        ] {
+            figures.report(&figure(of), value, remark);
+        }
     }
+    let [by_layer, by_faces] = input_cost()?;
+    figures.report(
+        "boundary_price.input.layer",
+        by_layer,
+        "ns per element of the layer and step, an SV wave at 30 degrees by domain reduction",
+    );
+    figures.report(
+        "boundary_price.input.faces",
+        by_faces,
+        "ns per node and step, the same wave through the faces",
+    );
     Ok(figures.verdict())
 }
 

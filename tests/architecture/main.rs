@@ -1,4 +1,5 @@
 //! The shape of the workspace, read from its manifests and sources.
 
+mod dependencies;
 mod manifests;
 mod sources;
