@@ -4,7 +4,7 @@ use powerhouse_explicit_core::Support;
 use powerhouse_model::{Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 use thiserror::Error;
 
-use super::Scene;
+use super::{Places, Scene};
 use crate::Error;
 
 /// How the other half of a body moves.
@@ -146,10 +146,14 @@ impl Scene {
     /// Sees that half of the body stands for the whole at every plane of symmetry.
     ///
     /// # Errors
-    /// The index of the first plane at which it does not, and why.
-    pub(super) fn check_mirrors(&self) -> Result<(), (usize, Error)> {
+    /// Why it does not at the first one, at its place in the scene's file.
+    pub(super) fn check_mirrors(&self) -> Result<(), Error> {
         for (index, mirror) in self.mirrors.iter().enumerate() {
-            self.check_mirror(mirror).map_err(|error| (index, error))?;
+            self.check_mirror(mirror)
+                .map_err(|error| match self.places.mirrors.get(index) {
+                    Some(place) => Places::put_at(&self.source, place.clone(), error),
+                    None => error,
+                })?;
         }
         Ok(())
     }

@@ -51,11 +51,7 @@ impl Scene {
         }
         self.mesh.check()?;
         self.part_of_elements()?;
-        self.check_mirrors()
-            .map_err(|(mirror, error)| match self.places.mirrors.get(mirror) {
-                Some(place) => Places::put_at(&self.source, place.clone(), error),
-                None => error,
-            })?;
+        self.check_mirrors()?;
         self.scatterer()?;
         let rims = self.rims()?;
         let (pieces, mut remarks) = self.pieces(&rims)?;

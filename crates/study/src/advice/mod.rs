@@ -3,7 +3,8 @@
 //! # What is predicted
 //! The error of a boundary is by how much displacement and velocity differ from those with so much more
 //! ground around that nothing comes back from its faces in time: `sqrt(sum |x - y|^2 / sum |y|^2)` over
-//! the run, the larger of both at the worst place that is recorded. A run of the scene and one of the
+//! the run, the larger of both at the worst place that is recorded; under loads displacement alone, since
+//! the velocity under a sudden load is that of the shortest waves of the mesh. A run of the scene and one of the
 //! same mesh [`grown`](fn@crate::grown) measure it ([`probe_errors`](crate::probe_errors)).
 //!
 //! It is predicted by running a small model of the same question: in place of the structure a circular

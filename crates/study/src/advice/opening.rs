@@ -205,7 +205,8 @@ impl Opening {
         Ok([mesh, wide])
     }
 
-    /// Each boundary's error: the larger of displacement's and velocity's, at the worst place.
+    /// Each boundary's error at the worst place: the larger of displacement's and velocity's under waves,
+    /// that of displacement under a pressure.
     pub(super) fn errors(
         &self,
         mover: Mover,
@@ -268,8 +269,9 @@ impl Opening {
             ..OutputPlan::default()
         };
         let wanted = Motion {
+            displacement: true,
+            velocity: motive.wave.is_some(),
             acceleration: false,
-            ..Motion::ALL
         };
         for degrees in WALL {
             let (sine, cosine) = degrees.to_radians().sin_cos();
