@@ -337,7 +337,7 @@ impl Question for Sphere {
         "sphere_pressure"
     }
     fn stated(&self) -> f64 {
-        0.02
+        0.05
     }
     fn meshes(&self) -> Outcome<[Mesh; 2]> {
         let rings = 8 * self.around;
