@@ -168,6 +168,16 @@ fn a_claim_falls_with_its_figures() {
             .for_each(|peak| peak.value = value);
     };
     assert_eq!(falls(&|cases| stress(cases, 1, 0.5e6)), ["sv_stress_rises"]);
+    // The mean rises, at none of the points: A falls from 15 to 25 degrees, B before and after.
+    let apart = |cases: &mut Vec<CaseOutcome>| {
+        let values = [[1.0, 1.0], [3.0, 0.5], [2.0, 2.5], [4.0, 2.0]];
+        for (case, values) in cases.iter_mut().zip(values) {
+            for (peak, value) in case.stresses.iter_mut().zip(values) {
+                peak.value = 1e6 * value;
+            }
+        }
+    };
+    assert_eq!(falls(&apart), ["sv_stress_rises"]);
     // P at 90 degrees above that at 60: no fall beyond 30 degrees.
     let wanted = ["p_stress_is_greatest_at_30"];
     assert_eq!(falls(&|cases| stress(cases, 7, 0.5e6)), wanted);
@@ -208,6 +218,9 @@ fn a_claim_falls_with_its_figures() {
     found.sort_unstable();
     wanted.sort_unstable();
     assert_eq!(found, wanted);
+    // A little more is not much more.
+    let alike = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0] = part("structure", 0.65);
+    assert_eq!(falls(&alike), ["sv_interaction_adds_damage"]);
     // More damage on less volume bears out neither.
     let mixed = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0].damaged = 0.9;
     assert_eq!(falls(&mixed), ["sv_interaction_adds_damage"]);
@@ -218,6 +231,15 @@ fn a_claim_falls_with_its_figures() {
         found.damage_at_held = Some(0.9);
     };
     assert_eq!(falls(&apart), ["sv_joint_fails_where_lining_is_damaged"]);
+    // More damage where it failed, but no more than by chance.
+    let scattered = |cases: &mut Vec<CaseOutcome>| {
+        let found = cases[3].joint_and_lining.as_mut().unwrap();
+        found.correlation = Some(0.4);
+    };
+    assert_eq!(
+        falls(&scattered),
+        ["sv_joint_fails_where_lining_is_damaged"]
+    );
     let elsewhere = |cases: &mut Vec<CaseOutcome>| cases[5].joint_parts[1].broken = 0.9;
     assert_eq!(falls(&elsewhere), ["p_joint_fails_at_arches"]);
     // The joint fails the less the more the lining is damaged.

@@ -140,7 +140,7 @@ fn told((number, key, claim): Head, figures: String, verdict: Verdict) -> Conclu
     }
 }
 
-/// The mean over the points decides; how many of them go the same way is told.
+/// The mean over the points and at least half of them decide; how many go the same way is told.
 fn of_points(
     outcomes: &[CaseOutcome],
     head: Head,
@@ -172,7 +172,8 @@ fn of_points(
         mean.told(scale),
         names.len()
     );
-    told(head, figures, verdict(trend(&mean)))
+    let holds = trend(&mean) && 2 * following >= names.len();
+    told(head, figures, verdict(holds))
 }
 
 /// A part of the structure of a case.

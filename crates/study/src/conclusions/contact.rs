@@ -85,6 +85,9 @@ fn told(
     }
 }
 
+/// What is much larger is so by a quarter at least.
+const MUCH: f64 = 1.25;
+
 /// Damage with interaction against damage without it, and whether tension does it.
 pub(super) fn of_interaction(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     let mut found = Vec::new();
@@ -99,7 +102,7 @@ pub(super) fn of_interaction(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
             (with, without) => Err([with.err(), without.err()].into_iter().flatten().collect()),
         };
         let pair: Result<_, Vec<String>> = pair;
-        let compared = |more: usize| {
+        let compared = |more: usize, least: f64| {
             let [with, without] = pair.clone()?;
             let (first, second) = ([with, without][more], [with, without][1 - more]);
             let figures = format!(
@@ -109,11 +112,11 @@ pub(super) fn of_interaction(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
                 rounded(100.0 * with.damaged),
                 rounded(100.0 * without.damaged)
             );
-            let holds = first.mean > second.mean && first.damaged > second.damaged;
+            let holds = first.mean > least * second.mean && first.damaged > second.damaged;
             Ok((figures, holds))
         };
-        found.push(told(4, words.adds, compared(0)));
-        found.push(told(0, words.spares, compared(1)));
+        found.push(told(4, words.adds, compared(0, 1.0)));
+        found.push(told(0, words.spares, compared(1, MUCH)));
         let tension = structure(false).map_err(|missing| vec![missing]);
         let tension = tension.map(|part| {
             let figures = format!(
@@ -158,7 +161,8 @@ pub(super) fn of_joints(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     found
 }
 
-/// Damage of the structure where the joint failed and where it held.
+/// Damage of the structure where the joint failed and where it held. They go together if chance gives a
+/// correlation as great in one of forty such samples at most: beyond `2 / sqrt(n)`.
 fn beside(found: &JointAndLining) -> (String, bool) {
     let of = |value: Option<f64>| value.map_or("none".into(), rounded);
     let figures = format!(
@@ -171,7 +175,9 @@ fn beside(found: &JointAndLining) -> (String, bool) {
         rounded(100.0 * found.failed)
     );
     let pair = found.damage_at_failed.zip(found.damage_at_held);
-    (figures, pair.is_some_and(|(failed, held)| failed > held))
+    let beyond_chance = found.correlation > Some(2.0 / (found.elements as f64).sqrt());
+    let holds = pair.is_some_and(|(failed, held)| failed > held) && beyond_chance;
+    (figures, holds)
 }
 
 /// The broken share of the joint at the arches and elsewhere.
