@@ -73,9 +73,6 @@ pub struct JointSurface {
     pub worst_nodes: [u64; 2],
 }
 
-/// The least cosine of the angle between normals of pairs that become one, that of 40 degrees.
-const ONE_PATCH: f64 = 0.766;
-
 impl JointSurface {
     /// Matches each facet of one side with the one of the other side at the same place, corner by
     /// corner, and makes pairs of their nodes: normals are those of the first side, averaged with
@@ -152,6 +149,7 @@ impl JointSurface {
     /// that move as one stands for all of them.
     #[must_use]
     pub fn united(self, lead: impl Fn(u32) -> u32) -> Self {
+        let least = SurfaceOptions::CORNER_ANGLE.cos();
         let mut kept: Vec<(JointPair, Vec<[u32; 2]>)> = Vec::with_capacity(self.pairs.len());
         let mut at: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
         let place_of: Vec<usize> = (self.pairs.iter())
@@ -160,7 +158,7 @@ impl JointSurface {
                 let same = at.entry(nodes).or_default();
                 let along = |place: &usize| kept[*place].0.normal.dot(&pair.normal);
                 let joins = |place: &&usize| {
-                    along(place) >= ONE_PATCH && !kept[**place].1.contains(&pair.nodes)
+                    along(place) >= least && !kept[**place].1.contains(&pair.nodes)
                 };
                 let found = same.iter().filter(joins);
                 match found.max_by(|a, b| along(a).total_cmp(&along(b))).copied() {

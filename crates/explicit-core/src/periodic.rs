@@ -45,14 +45,13 @@ impl PeriodicPairs {
             Ok(low)
         };
         let translation = low(to)? - low(from)?;
-        let (partners, worst_from) = nearest(mesh, from, to, translation);
+        let (mut partners, worst_from) = nearest(mesh, from, to, translation);
         let (_, worst_to) = nearest(mesh, to, from, -translation);
         let worst = if worst_from.1 >= worst_to.1 {
             worst_from
         } else {
             worst_to
         };
-        let mut partners = partners;
         if worst.1 <= tolerance && from.len() == to.len() && !is_one_to_one(&partners) {
             partners = on_the_same_side(mesh, from, to, (translation, worst.1));
         }
