@@ -70,13 +70,13 @@ impl Gather {
         gather
     }
 
-    /// Calls `visit(first node, sums)` for each tile of a chunk.
+    /// Calls `visit(first node, sums)` for each tile of a chunk, in rising order of nodes.
     #[inline(always)]
     pub(crate) fn for_chunk<S: Storage>(
         &self,
         chunk: usize,
         forces: &[Quad<S>],
-        mut visit: impl FnMut(usize, &[Quad<S>]),
+        mut visit: impl FnMut(usize, &mut [Quad<S>]),
     ) {
         let tiles = &self.chunks[chunk];
         let mut sums = [Quad::<S>::default(); TILE];
@@ -92,7 +92,7 @@ impl Gather {
                     sum[c] = sum[c] + add[c];
                 }
             }
-            visit(tile.node as usize, &sums[..count]);
+            visit(tile.node as usize, &mut sums[..count]);
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::constrained::{ConstrainedMotion, ConstrainedNodes, TILE};
 use crate::effective_mass::inverse;
 use crate::gather::{CHUNK, SlotTable};
 use crate::nodes::{NodalArrays, Storage};
+use crate::sliders::{Slider, Sliders};
 use crate::support::Condition;
 
 /// What a group of nodes that move as one has. Most groups have one member.
@@ -76,6 +77,24 @@ impl Group {
         alone && free && self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros()
     }
 
+    /// The axes along which it is held, if it is one node that is held along axes, or not at all, and
+    /// has nothing else but a mass.
+    pub(crate) fn held_axes(&self) -> Option<[bool; 3]> {
+        let free = self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros();
+        if self.members.len() != 1 || !free || !self.condition.prescribed.is_empty() {
+            return None;
+        }
+        let mut held = [false; 3];
+        for direction in self.condition.directions() {
+            let axis = direction.iamax();
+            if direction.abs().sum() != direction[axis].abs() {
+                return None;
+            }
+            held[axis] = true;
+        }
+        Some(held)
+    }
+
     fn coefficients(&self, rule: MassDampingRule, step: f64) -> Coefficients {
         if self.mass <= 0.0 {
             // A node that lost its elements; what it may still have is not worth an account.
@@ -103,13 +122,16 @@ impl Group {
     }
 }
 
-/// What the pass over all nodes needs to know of the groups.
+/// What the pass over all nodes needs to know of the groups. The last groups may be sliders, which it
+/// moves by itself; the others are kicked before it.
 #[derive(Default)]
 pub(crate) struct GroupMotion {
     /// Node and group, in rising order of nodes.
     members: Vec<(u32, u32)>,
     /// Members in each chunk of nodes.
     chunks: Vec<Range<u32>>,
+    /// The nodes that are held along axes and have nothing else.
+    pub(crate) sliders: Sliders,
     /// Displacement (m) of the nodes of constraints, by group.
     displacement: Vec<Vec3>,
     /// The length (s) of the last step, if nodes have moved by it and by nothing else since: their
@@ -123,7 +145,16 @@ pub(crate) struct GroupMotion {
 
 impl GroupMotion {
     fn new(groups: &[Group], constrained: usize, node_count: usize) -> Self {
-        let mut members: Vec<(u32, u32)> = groups
+        let slides = |group: &Group| group.held_axes().is_some();
+        let others = &groups[constrained..];
+        let kicked = constrained + others.iter().take_while(|group| !slides(group)).count();
+        let sliders = (groups[kicked..].iter())
+            .filter_map(|group| {
+                let (node, held) = (group.members[0], group.held_axes()?);
+                Some(Slider { node, held })
+            })
+            .collect();
+        let mut members: Vec<(u32, u32)> = groups[..kicked]
             .iter()
             .enumerate()
             .flat_map(|(g, group)| group.members.iter().map(move |&node| (node, g as u32)))
@@ -136,10 +167,11 @@ impl GroupMotion {
         Self {
             chunks,
             members,
+            sliders: Sliders::new(sliders, node_count),
             displacement: vec![Vec3::zeros(); constrained],
             moved: None,
-            previous: vec![Vec3::zeros(); groups.len()],
-            next: vec![Vec3::zeros(); groups.len()],
+            previous: vec![Vec3::zeros(); kicked],
+            next: vec![Vec3::zeros(); kicked],
         }
     }
 
@@ -212,7 +244,8 @@ pub(crate) struct Groups {
 }
 
 impl Groups {
-    /// Groups of a body; the first ones are those of the nodes of constraints, in the same order.
+    /// Groups of a body; the first ones are those of the nodes of constraints, in the same order, the
+    /// last ones those of sliders in rising order of nodes.
     pub(crate) fn new(groups: Vec<Group>, constrained: &[u32], slots: &SlotTable) -> Self {
         Self {
             motion: GroupMotion::new(&groups, constrained.len(), slots.node_count()),
@@ -227,10 +260,20 @@ impl Groups {
         }
     }
 
+    /// How many groups are kicked before the pass over the nodes: all but the sliders.
+    pub(crate) fn kicked(&self) -> usize {
+        self.motion.next.len()
+    }
+
+    /// Nodes have a group only if it is kicked.
+    #[inline]
+    pub(crate) fn if_kicked(&self, group: Option<u32>) -> Option<u32> {
+        group.filter(|&group| (group as usize) < self.kicked())
+    }
+
     /// Prepares the matrices of a step.
     pub(crate) fn prepare(&mut self, rule: MassDampingRule, step: f64) {
-        self.coefficients = self
-            .groups
+        self.coefficients = self.groups[..self.kicked()]
             .par_iter()
             .map(|group| group.coefficients(rule, step))
             .collect();

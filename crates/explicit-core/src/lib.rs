@@ -132,6 +132,7 @@ pub mod observe;
 mod partition;
 mod periodic;
 mod run;
+mod sliders;
 mod spectrum;
 mod stable_step;
 mod stage;

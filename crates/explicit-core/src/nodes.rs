@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::gather::{CHUNK, Gather, SlotTable};
 use crate::groups::GroupMotion;
+use crate::sliders::hold;
 
 /// A number format that nodes can be kept in.
 pub(crate) trait Storage:
@@ -181,7 +182,7 @@ impl<S: Storage> NodalArrays<S> {
     pub(crate) fn products(
         &self,
         gather: &Gather,
-        group_of: &[Option<u32>],
+        (groups, grouped): (&GroupMotion, impl Fn(usize) -> bool + Sync),
         mass: &[f64],
         damping: &[f64],
     ) -> [f64; 4] {
@@ -189,10 +190,12 @@ impl<S: Storage> NodalArrays<S> {
             .into_par_iter()
             .map(|chunk| {
                 let mut sums = [0.0; 4];
+                let mut sliders = groups.sliders.in_chunk(chunk);
                 gather.for_chunk(chunk, &self.forces, |first, internal| {
+                    sliders = hold(sliders, first, internal, &self.external);
                     for (i, internal) in internal.iter().enumerate() {
                         let node = first + i;
-                        if group_of[node].is_some() {
+                        if grouped(node) {
                             continue;
                         }
                         let before = self.velocity[node].to_vector();
@@ -223,8 +226,15 @@ impl<S: Storage> NodalArrays<S> {
     }
 
     /// The velocity that a plain node will have after the step, same bits as [`Self::advance`].
-    pub(crate) fn next_velocity(&self, slots: &SlotTable, node: usize) -> Vec3 {
-        self.next_of(node, &slots.sum(node, &self.forces).values)
+    pub(crate) fn next_velocity(
+        &self,
+        slots: &SlotTable,
+        groups: &GroupMotion,
+        node: usize,
+    ) -> Vec3 {
+        let mut internal = [slots.sum(node, &self.forces)];
+        hold(groups.sliders.of(node), node, &mut internal, &self.external);
+        self.next_of(node, &internal[0].values)
     }
 
     fn next_of(&self, node: usize, internal: &[S; 4]) -> Vec3 {
@@ -280,11 +290,13 @@ impl<S: Storage> Pass<'_, S> {
         for &(node, group) in self.groups.members_in(chunk) {
             velocity[node as usize - start] = Quad::from_vector(&self.groups.next[group as usize]);
         }
+        let mut sliders = self.groups.sliders.in_chunk(chunk);
         self.gather.for_chunk(
             chunk,
             self.forces,
             #[inline(always)]
             |first, sums| {
+                sliders = hold(sliders, first, sums, self.external);
                 let range = first - start..first - start + sums.len();
                 let velocity = &mut velocity[range.clone()];
                 let displacement = &mut displacement[range];

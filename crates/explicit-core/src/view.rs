@@ -107,13 +107,13 @@ impl Model {
     /// Velocities (m/s) of an engine node half a step before and after the present time, between
     /// kick and drift.
     pub(crate) fn velocities_around(&self, node: usize) -> (Vec3, Vec3) {
-        match self.group_of[node] {
+        match self.groups.if_kicked(self.group_of[node]) {
             Some(group) => (
                 self.groups.motion.previous[group as usize],
                 self.groups.motion.next[group as usize],
             ),
             None => with_nodes!(&self.nodes, arrays => {
-                (arrays.velocity[node].to_vector(), arrays.next_velocity(&self.slots, node))
+                (arrays.velocity[node].to_vector(), arrays.next_velocity(&self.slots, &self.groups.motion, node))
             }),
         }
     }

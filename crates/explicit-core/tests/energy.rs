@@ -72,8 +72,8 @@ fn an_elastic_box_with_input_and_dashpots_closes() {
     assert!(column(&report, "residual").abs() < 1e-12 * input);
 }
 
-/// Mass damping (implicit and lagged), stiffness damping, an oblique support, a tie-free
-/// prescribed motion and a load on plain nodes are all booked: the ledger closes under both
+/// Mass damping (implicit and lagged), stiffness damping, supports along an axis and oblique to it, a
+/// tie-free prescribed motion and a load on plain nodes are all booked: the ledger closes under both
 /// schemes.
 #[test]
 fn every_nodal_term_is_booked() {
@@ -82,12 +82,14 @@ fn every_nodal_term_is_booked() {
     for integrator in [&Leapfrog as &dyn TimeIntegrator, &OneSided] {
         let floor = mesh.node_set("z0").unwrap().to_vec();
         let side = mesh.node_set("x0").unwrap().to_vec();
+        let top = mesh.node_set("z1").unwrap().to_vec();
         let mut model = box_with_input(&mesh, rock().damped(5.0, 2.0 * step))
             .gravity(
                 Vec3::new(0.3, 0.2, -1.0),
                 Box::new(|t: f64| (100.0 * t).sin()),
             )
             .support(Support::roller(side, Vec3::new(1.0, 0.2, 0.0)))
+            .support(Support::roller(top, Vec3::y()))
             .prescribed(Prescribed {
                 nodes: floor,
                 direction: Vec3::new(0.3, 0.0, 1.0),

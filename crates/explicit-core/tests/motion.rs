@@ -380,6 +380,81 @@ fn mirror_and_period_stand_for_the_rest() {
     }
 }
 
+/// Rollers along axes leave the motion what supports of any other kind make of it, loaded and damped
+/// as it may be, and nothing moves along them, whatever a state says.
+#[test]
+fn rollers_along_axes_move_as_other_supports_do() {
+    let mesh = hex_box([6, 4, 4], 1.0, 0.2);
+    let set = |name| mesh.node_set(name).unwrap().to_vec();
+    let build = |impedance: Vec<NodalImpedance>| {
+        let boundary = powerhouse_model::BoundaryParts {
+            impedance,
+            ..Default::default()
+        };
+        let weight = Vec3::new(3.0, 1.0, -9.0);
+        Model::builder(&mesh)
+            .elements("rock", rock().damped(20.0, 0.0).boxed())
+            .support(Support::roller(set("x0"), Vec3::new(-2.0, 0.0, 0.0)))
+            .support(Support::roller(set("z0"), Vec3::z()))
+            .support(Support::fixed(vec![set("y1")[0]]))
+            .gravity(weight, Box::new(|t: f64| (300.0 * t).sin()))
+            .boundary(boundary)
+            .build()
+            .unwrap()
+    };
+    // A dashpot too small to be felt makes them supports among others.
+    let dashpot = Mat3::identity() * 1e-280;
+    let felt = [set("x0"), set("z0"), vec![set("y1")[0]]].concat();
+    let mut felt = felt;
+    felt.sort_unstable();
+    felt.dedup();
+    let impedance = felt.into_iter().map(|node| NodalImpedance {
+        node,
+        spring: Mat3::zeros(),
+        dashpot,
+    });
+    let (mut lean, mut other) = (build(Vec::new()), build(impedance.collect()));
+    let corner = set("z0")[3];
+    let mut state = lean.state();
+    state.velocity = random_vectors(mesh.node_count(), 1e-3, 5);
+    let mut accelerations = Vec::new();
+    for model in [&mut lean, &mut other] {
+        model.set_state(&state).unwrap();
+        let (observer, rows) = probe(corner);
+        let options = RunOptions::steps(300)
+            .with_step(StepChoice::Unchecked(1e-5))
+            .with_speed_limit(1e9);
+        run(model, &Leapfrog, &options, &mut [observer], &mut |_| {}).unwrap();
+        accelerations.push(rows.iter().last().unwrap());
+    }
+    let scale = (0..mesh.node_count() as u32).map(|node| other.displacement(node).amax());
+    let scale = scale.fold(0.0, f64::max);
+    assert!(scale > 1e-6);
+    for node in 0..mesh.node_count() as u32 {
+        let (u, v) = (lean.displacement(node), lean.velocity(node));
+        assert!((u - other.displacement(node)).amax() < 1e-12 * scale);
+        assert!((v - other.velocity(node)).amax() < 1e-12 * scale / 1e-5);
+    }
+    for node in set("x0") {
+        assert_eq!(
+            (lean.displacement(node).x, lean.velocity(node).x),
+            (0.0, 0.0)
+        );
+    }
+    for node in set("z0") {
+        assert_eq!(
+            (lean.displacement(node).z, lean.velocity(node).z),
+            (0.0, 0.0)
+        );
+    }
+    let [a, b] = [accelerations[0], accelerations[1]].map(|row| Vec3::new(row[7], row[8], row[9]));
+    assert!(
+        a.norm() > 0.1 && (a - b).norm() < 1e-9 * a.norm(),
+        "{a} {b}"
+    );
+    assert_eq!(a.z, 0.0);
+}
+
 /// Nodes on an oblique roller stay in their plane, and a rigid block slides down it with
 /// `g sin(angle)`.
 #[test]

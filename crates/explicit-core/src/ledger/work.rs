@@ -67,7 +67,7 @@ impl Present<'_> {
     /// Half a step's work of all nodal forces but the loads, with the velocities before and with
     /// those after.
     pub(super) fn work(&self) -> [NodalWork<f64>; 2] {
-        let count = self.groups.groups.len();
+        let count = self.groups.kicked();
         let chunks: Vec<[NodalWork<f64>; 2]> = (0..count.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
@@ -163,8 +163,10 @@ impl Present<'_> {
     }
 
     fn plain_products(&self) -> [f64; 4] {
+        let grouped = |node: usize| self.groups.if_kicked(self.group_of[node]).is_some();
+        let groups = (&self.groups.motion, grouped);
         with_nodes!(self.nodes, arrays => {
-            arrays.products(self.gather, self.group_of, self.mass, self.mass_damping)
+            arrays.products(self.gather, groups, self.mass, self.mass_damping)
         })
     }
 

@@ -155,7 +155,7 @@ impl Model {
         self.groups.prepare(rule, step);
         let (mut gain, mut decay) = (Vec::new(), Vec::new());
         for (node, mass) in self.mass.iter().enumerate() {
-            let grouped = self.group_of[node].is_some();
+            let grouped = self.groups.if_kicked(self.group_of[node]).is_some();
             let damping = self.mass_damping.get(node).copied().unwrap_or(0.0) * step;
             let (effective, old) = match rule {
                 MassDampingRule::Implicit => (mass + 0.5 * damping, mass - 0.5 * damping),

@@ -123,6 +123,7 @@ impl Model {
         self.settle();
         self.groups.motion.forget();
         let engine_of = &self.numbering.engine_of;
+        let sliders = &self.groups.motion.sliders;
         with_nodes!(&mut self.nodes, arrays => {
             arrays.displacement.fill(Quad::default());
             arrays.velocity.fill(Quad::default());
@@ -132,6 +133,7 @@ impl Model {
             for (&engine, v) in engine_of.iter().zip(velocity) {
                 arrays.velocity[engine as usize] = Quad::from_vector(v);
             }
+            sliders.stop(&mut arrays.velocity);
         });
         Ok(())
     }
@@ -321,10 +323,17 @@ impl Model {
         });
     }
 
+    /// The group of each engine node that is kicked with one.
+    fn kicked_groups(&self) -> Vec<Option<u32>> {
+        let all = self.group_of.iter();
+        all.map(|&group| self.groups.if_kicked(group)).collect()
+    }
+
     /// Lets forces (N, engine numbering; none if empty) act from now on beside the loads.
     pub(crate) fn set_standing(&mut self, forces: Vec<Vec3>) {
-        self.loads
-            .set_standing(forces, &self.group_of, self.groups.groups.len());
+        let group_of = self.kicked_groups();
+        let count = self.groups.kicked();
+        self.loads.set_standing(forces, &group_of, count);
         let loaded = self.loads.sums.on_plain_nodes();
         let nodes = if loaded { self.mass.len() } else { 0 };
         with_nodes!(&mut self.nodes, arrays => {

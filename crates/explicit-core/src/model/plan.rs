@@ -158,7 +158,8 @@ impl<'a> GroupPlan<'a> {
     }
 
     /// The groups, and the group of each node. Those of the constraints' nodes come first, in the
-    /// order of the constraints, so that these see them as slices; others in rising order of leads.
+    /// order of the constraints, so that these see them as slices; others in rising order of leads,
+    /// nodes that merely slide along axes behind the rest.
     pub(super) fn finish(
         mut self,
         mass: &[f64],
@@ -185,7 +186,11 @@ impl<'a> GroupPlan<'a> {
         for &node in constrained.iter().flatten() {
             groups.extend(self.nodes.remove(&self.root(node)));
         }
-        groups.extend(self.nodes.into_values());
+        let others = self.nodes.into_values();
+        let (sliders, others): (Vec<_>, Vec<_>) =
+            others.partition(|group| group.held_axes().is_some());
+        groups.extend(others);
+        groups.extend(sliders);
         let mut group_of = vec![None; mass.len()];
         for (g, group) in groups.iter().enumerate() {
             for &node in &group.members {
