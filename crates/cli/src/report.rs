@@ -163,6 +163,7 @@ fn stages(stages: &[StageOverview]) {
         count(stage.cast, "elements cast");
         count(stage.supports, "supports");
         count(stage.loads, "loads");
+        count(stage.removed_loads, "loads taken off");
         for (name, number) in &stage.bolts {
             count(*number, &format!("bolts of '{name}'"));
         }

@@ -13,6 +13,21 @@ pub(crate) fn function(shared: &SharedFunction, held_at: Option<f64>) -> Box<dyn
     Box::new(move |time: f64| shared.value(held_at.unwrap_or(time)))
 }
 
+/// A load from where it is named on, and the stage that takes it off again, if one does.
+pub(crate) struct Lasting {
+    pub(crate) load: SharedLoad,
+    pub(crate) removed_in: Option<String>,
+}
+
+impl Lasting {
+    pub(crate) fn new(load: Box<dyn NodalLoad>, removed_in: Option<String>) -> Self {
+        Self {
+            load: SharedLoad::new(load),
+            removed_in,
+        }
+    }
+}
+
 /// A load that several models have.
 #[derive(Clone)]
 pub(crate) struct SharedLoad {

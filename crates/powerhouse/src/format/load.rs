@@ -83,6 +83,9 @@ pub enum Load {
         pressure: Finite,
         /// Function of time, one at all times by default.
         function: Option<Function>,
+        /// The stage that takes the load off again, in its increments; without it the load stays for
+        /// good.
+        removed_in: Option<At<String>>,
     },
     /// Still water on a facet set: the pressure grows with the depth below its level.
     Water {
@@ -94,6 +97,9 @@ pub enum Load {
         density: Option<Positive>,
         /// Function of time, one at all times by default.
         function: Option<Function>,
+        /// The stage that takes the load off again, in its increments; without it the load stays for
+        /// good.
+        removed_in: Option<At<String>>,
     },
     /// Traction on a facet set.
     Traction {
@@ -106,6 +112,9 @@ pub enum Load {
         level: Option<Finite>,
         /// Function of time, one at all times by default.
         function: Option<Function>,
+        /// The stage that takes the load off again, in its increments; without it the load stays for
+        /// good.
+        removed_in: Option<At<String>>,
     },
     /// The same force at every node of a node or facet set.
     Nodal {
@@ -115,6 +124,9 @@ pub enum Load {
         force: [Finite; 3],
         /// Function of time, one at all times by default.
         function: Option<Function>,
+        /// The stage that takes the load off again, in its increments; without it the load stays for
+        /// good.
+        removed_in: Option<At<String>>,
     },
 }
 
@@ -132,6 +144,16 @@ impl Load {
             | Self::Water { set, .. }
             | Self::Traction { set, .. }
             | Self::Nodal { set, .. } => Some(set),
+        }
+    }
+    /// The stage that takes it off again, if one does.
+    pub fn removed_in(&self) -> Option<&At<String>> {
+        match self {
+            Self::Gravity { .. } => None,
+            Self::Pressure { removed_in, .. }
+            | Self::Water { removed_in, .. }
+            | Self::Traction { removed_in, .. }
+            | Self::Nodal { removed_in, .. } => removed_in.as_ref(),
         }
     }
     /// The load's function of time, if it is not constant.

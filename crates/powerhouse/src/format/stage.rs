@@ -114,7 +114,7 @@ pub enum BoltEnd {
 /// What is done to the body before it moves, until it is at rest again. A stage tells what changes.
 ///
 /// Sets that are taken out or put in, loads, bolts and materials stay so in the stages after it and
-/// when the body moves. Its supports hold until the body moves: then their reactions stay on as forces,
+/// when the body moves; a load may name a later stage that takes it off. Its supports hold until the body moves: then their reactions stay on as forces,
 /// and absorbing faces take their place. Supports and loads of the scene itself act in all stages, with
 /// their values at the start of the run, and in the run.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -157,7 +157,7 @@ pub struct Stage {
     /// Supports until the body moves.
     #[serde(rename = "support", default)]
     pub supports: Vec<At<StageSupport>>,
-    /// Loads.
+    /// Loads, which stay unless they name the stage that takes them off.
     #[serde(rename = "load", default)]
     pub loads: Vec<At<Load>>,
 }

@@ -10,7 +10,7 @@ use powerhouse_wavefield::{EndDisplacement, Signal};
 
 use super::record::PreparedRecord;
 use super::{Names, named, one_of, vector};
-use crate::acting::SharedLoad;
+use crate::acting::Lasting;
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_DENSITY};
 use crate::{Mirror, Parity, Scene};
@@ -176,7 +176,7 @@ pub(super) fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault
 
 /// What acts on a body: forces at nodes, or an acceleration (m/s2) of all masses.
 pub(super) enum Acting {
-    Load(Box<dyn NodalLoad>),
+    Load(Lasting),
     Weight(Vec3, Box<dyn TimeFunction>),
 }
 
@@ -184,7 +184,7 @@ pub(super) fn loads(names: &Names, loads: &[At<Load>], scene: &mut Scene) -> Res
     let facets = |set: &At<String>| names.facets(set).map(<[Facet]>::to_vec);
     for table in loads {
         match load(names, table, &facets)? {
-            Acting::Load(load) => scene.loads.push(SharedLoad::new(load)),
+            Acting::Load(load) => scene.loads.push(load),
             Acting::Weight(acceleration, history) => {
                 scene.weights.push((acceleration, history.into()));
             }
@@ -203,6 +203,7 @@ pub(super) fn load(names: &Names, load: &At<Load>, facets: &FacetsOf) -> Result<
         let set = load.set().map_or(load.span(), At::span);
         Fault::refused(set, error)
     };
+    let removed_in = load.removed_in().map(|name| name.to_string());
     let load: Box<dyn NodalLoad> = match &**load {
         Load::Gravity { acceleration, .. } => {
             let acceleration = acceleration.map_or(GRAVITY, Positive::get);
@@ -248,7 +249,7 @@ pub(super) fn load(names: &Names, load: &At<Load>, facets: &FacetsOf) -> Result<
             Box::new(load)
         }
     };
-    Ok(Acting::Load(load))
+    Ok(Acting::Load(Lasting::new(load, removed_in)))
 }
 
 /// A function of time, times a factor.

@@ -12,11 +12,10 @@ use powerhouse_model::{Facet, Mesh, Stress};
 
 use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
-use crate::acting::SharedLoad;
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, GRAVITY, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StagePlaces;
-use crate::stage::{Timeline, surface_of};
+use crate::stage::{Timeline, check_removal, surface_of};
 use crate::{BoltPlace, InSituStress, Material, Scene, SceneBolts, SceneStage};
 
 /// Young's modulus of steel (Pa).
@@ -50,6 +49,10 @@ pub(super) fn stages(
     for (place, stage) in file.stages.iter().enumerate() {
         let present = &timeline.moments[place].present;
         for load in &stage.loads {
+            if let Some(name) = load.removed_in() {
+                let checked = check_removal(&scene.stages, place, name);
+                checked.map_err(|error| Fault::refused(name.span(), error))?;
+            }
             let facets = |set: &At<String>| -> Result<Vec<Facet>, Fault> {
                 let facets = surface_of(names.mesh, present, names.facets(set)?);
                 if facets.is_empty() {
@@ -61,7 +64,7 @@ pub(super) fn stages(
             };
             let own = &mut scene.stages[place];
             match loads::load(names, load, &facets)? {
-                loads::Acting::Load(load) => own.loads.push(SharedLoad::new(load)),
+                loads::Acting::Load(load) => own.loads.push(load),
                 loads::Acting::Weight(acceleration, history) => {
                     own.weights.push((acceleration, history.into()));
                 }
@@ -89,6 +92,9 @@ fn places(file: &SceneFile) -> StagePlaces {
         put(None, "stage", "", place);
     }
     put(None, "initial", "", file.time.initial.span());
+    for name in file.loads.iter().filter_map(|load| load.removed_in()) {
+        put(None, "removed_in", name.as_str(), name.span());
+    }
     for joint in &file.joints {
         if let Some(preload) = &joint.preload {
             put(None, "preload", joint.name.as_str(), preload.span());

@@ -7,8 +7,8 @@ use powerhouse_explicit_core::{BlockFactory, BlockOptions, ModelBuilder, Prescri
 use powerhouse_model::ElementKind;
 
 use super::Scene;
-use crate::acting::function;
-use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneStage};
+use crate::acting::{Lasting, function};
+use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark};
 
 /// Elements of one part that one kernel computes with one material.
 pub(crate) struct Piece {
@@ -91,13 +91,15 @@ impl Scene {
     }
 
     /// Supports, ties, prescribed motions, loads and weights of the scene, and what stages add of
-    /// loads and weights; held at their values at a time (s) if there is one.
+    /// loads and weights, as they are in a stage, held at their values at the start of the run, or
+    /// as they are when the body moves.
     pub(crate) fn acted_on<'a>(
         &self,
         mut builder: ModelBuilder<'a>,
-        stages: &[SceneStage],
-        held_at: Option<f64>,
+        stage: Option<usize>,
     ) -> ModelBuilder<'a> {
+        let held_at = stage.map(|_| self.start);
+        let stages = &self.stages[..stage.map_or(self.stages.len(), |stage| stage + 1)];
         for support in &self.supports {
             builder = builder.support(support.clone());
         }
@@ -112,14 +114,25 @@ impl Scene {
             });
         }
         let loads = stages.iter().flat_map(|stage| &stage.loads);
-        for load in self.loads.iter().chain(loads) {
-            builder = builder.load(load.held(held_at));
+        for lasting in self.loads.iter().chain(loads) {
+            if self.is_there(lasting, stage) {
+                builder = builder.load(lasting.load.held(held_at));
+            }
         }
         let weights = stages.iter().flat_map(|stage| &stage.weights);
         for (acceleration, history) in self.weights.iter().chain(weights) {
             builder = builder.gravity(*acceleration, function(history, held_at));
         }
         builder
+    }
+
+    /// Whether a load is not yet taken off in a stage, or when the body moves.
+    fn is_there(&self, lasting: &Lasting, stage: Option<usize>) -> bool {
+        let Some(name) = &lasting.removed_in else {
+            return true;
+        };
+        let removal = self.stages.iter().position(|stage| stage.name == *name);
+        matches!((stage, removal), (Some(stage), Some(removal)) if stage < removal)
     }
 
     /// What damping in series costs a part, and where it is elastic.

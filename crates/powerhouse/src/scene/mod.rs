@@ -35,7 +35,7 @@ use powerhouse_model::{
 
 use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 
-use crate::acting::{SharedFunction, SharedLoad};
+use crate::acting::{Lasting, SharedFunction};
 use crate::output::{OutputPlan, ResultFolder};
 use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
 
@@ -126,7 +126,7 @@ pub struct Scene {
     pub(crate) mirrors: Vec<Mirror>,
     pub(crate) periodic: Vec<PeriodicPairs>,
     pub(crate) prescribed: Vec<Driven>,
-    pub(crate) loads: Vec<SharedLoad>,
+    pub(crate) loads: Vec<Lasting>,
     pub(crate) weights: Vec<(Vec3, SharedFunction)>,
     pub(crate) constraints: Vec<Box<dyn Constraint>>,
     pub(crate) joints: Vec<SceneJoint>,
@@ -260,7 +260,20 @@ impl Scene {
     /// Adds a load.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
-        self.loads.push(SharedLoad::new(Box::new(load)));
+        self.loads.push(Lasting::new(Box::new(load), None));
+        self
+    }
+    /// Adds a load that a stage takes off again, by name: what it leaves out of balance comes on the
+    /// body in the increments of that stage, and as far as its release says. It is not there when the body
+    /// moves.
+    #[must_use]
+    pub fn temporary_load(
+        mut self,
+        load: impl NodalLoad + 'static,
+        removed_in: impl Into<String>,
+    ) -> Self {
+        let removed_in = Some(removed_in.into());
+        (self.loads).push(Lasting::new(Box::new(load), removed_in));
         self
     }
     /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.
@@ -428,7 +441,7 @@ impl Scene {
     /// Whether a field, a load, a weight or a prescribed motion acts on it.
     pub fn is_driven(&self) -> bool {
         self.field.is_some()
-            || !self.loads.is_empty()
+            || self.loads.iter().any(|load| load.removed_in.is_none())
             || !self.weights.is_empty()
             || !self.prescribed.is_empty()
     }

@@ -158,7 +158,7 @@ impl Scene {
         if let Some(parts) = self.boundary_parts(present, remarks)? {
             builder = builder.boundary(parts);
         }
-        builder = self.acted_on(builder, &self.stages, None);
+        builder = self.acted_on(builder, None);
         let (joints, surfaces) = self.constraints_of_joints(|_| Closing::Own)?;
         for joint in joints {
             builder = builder.constraint(Box::new(joint) as Box<dyn Constraint>);

@@ -95,6 +95,22 @@ pub enum StagingError {
         /// The name.
         name: String,
     },
+    /// A load that a stage is to take off which the scene does not have.
+    #[error("there is no stage '{name}' that could take the load off")]
+    NoSuchStage {
+        /// The name.
+        name: String,
+    },
+    /// A load that would be taken off before it ever acted.
+    #[error(
+        "stage '{name}' cannot take the load off: it acts from stage '{first}' on, which is not before"
+    )]
+    RemovedEarly {
+        /// The stage that is to take it off.
+        name: String,
+        /// The stage in which it acts first.
+        first: String,
+    },
     /// An option of the static solution out of range.
     #[error(transparent)]
     Options(#[from] ParameterError),
@@ -143,6 +159,7 @@ impl StagingError {
             }
             Self::Bolts { name, .. } => ("bolt", name),
             Self::NoSuchJoint { name } => ("joint", name),
+            Self::NoSuchStage { name } | Self::RemovedEarly { name, .. } => ("removed_in", name),
             Self::Preload { joint } => ("preload", joint),
             Self::Options(error) => ("options", error.name),
             Self::NoStage { .. } => ("stage", ""),

@@ -6,13 +6,13 @@ use powerhouse_explicit_core::{StaticOptions, Support};
 use powerhouse_model::{NodalLoad, TimeFunction, Vec3};
 
 use crate::Material;
-use crate::acting::{SharedFunction, SharedLoad};
+use crate::acting::{Lasting, SharedFunction};
 use crate::joint::Closing;
 
 /// What is done to a body before it moves, until it is at rest again.
 ///
 /// A stage tells what changes. Sets that are taken out or put in, loads, bolts and materials stay
-/// so in the stages after it and when the body moves; its supports hold until the body moves, when
+/// so in the stages after it and when the body moves, but for temporary loads; its supports hold until the body moves, when
 /// their reactions stay on as forces and what absorbs takes their place. Supports, loads and weights
 /// of the scene itself act in all stages, with their values at the start of the run.
 ///
@@ -36,7 +36,7 @@ pub struct SceneStage {
     pub(crate) cast: Vec<String>,
     pub(crate) parts: Vec<(String, Material)>,
     pub(crate) supports: Vec<Support>,
-    pub(crate) loads: Vec<SharedLoad>,
+    pub(crate) loads: Vec<Lasting>,
     pub(crate) weights: Vec<(Vec3, SharedFunction)>,
     pub(crate) bolts: Vec<String>,
     pub(crate) tied: Vec<String>,
@@ -92,10 +92,23 @@ impl SceneStage {
         self.supports.push(support);
         self
     }
-    /// Adds a load.
+    /// Adds a load that stays for good.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
-        self.loads.push(SharedLoad::new(Box::new(load)));
+        self.loads.push(Lasting::new(Box::new(load), None));
+        self
+    }
+    /// Adds a load that a later stage takes off again, by name: what it leaves out of balance comes on the
+    /// body in the increments of that stage, and as far as its release says. It is not there when the body
+    /// moves.
+    #[must_use]
+    pub fn temporary_load(
+        mut self,
+        load: impl NodalLoad + 'static,
+        removed_in: impl Into<String>,
+    ) -> Self {
+        let removed_in = Some(removed_in.into());
+        (self.loads).push(Lasting::new(Box::new(load), removed_in));
         self
     }
     /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.

@@ -17,4 +17,4 @@ pub use list::SceneStage;
 pub use overview::StageOverview;
 pub use rest::{BodyAtRest, StageAtRest, StageSink};
 pub(crate) use rest::{Rested, Staging};
-pub(crate) use timeline::Timeline;
+pub(crate) use timeline::{Timeline, check_removal};

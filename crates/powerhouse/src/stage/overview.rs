@@ -29,6 +29,8 @@ pub struct StageOverview {
     pub supports: usize,
     /// Loads and weights that it adds.
     pub loads: usize,
+    /// Loads that it takes off.
+    pub removed_loads: usize,
     /// How it comes to rest.
     pub options: StaticOptions,
 }
@@ -58,6 +60,10 @@ impl Scene {
             bonded: stage.bonded.clone(),
             supports: stage.supports.len(),
             loads: stage.loads.len() + stage.weights.len(),
+            removed_loads: (self.loads.iter())
+                .chain(self.stages.iter().flat_map(|other| &other.loads))
+                .filter(|load| load.removed_in.as_ref() == Some(&stage.name))
+                .count(),
             options: stage.options,
         });
         Ok(overviews.collect())

@@ -214,9 +214,11 @@ impl Staging {
             let factory = piece.resting(&scene.parts[piece.part], own);
             builder = builder.elements(piece.elements.clone(), factory);
         }
-        let stages = &scene.stages[..=index];
-        let mut builder = scene.acted_on(builder, stages, Some(scene.start));
-        for support in stages.iter().flat_map(|stage| &stage.supports) {
+        let mut builder = scene.acted_on(builder, Some(index));
+        for support in scene.stages[..=index]
+            .iter()
+            .flat_map(|stage| &stage.supports)
+        {
             builder = builder.support(support.clone());
         }
         let closing = |name: &str| scene.stages[index].closing(name);

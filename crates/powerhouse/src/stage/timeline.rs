@@ -99,8 +99,32 @@ impl Timeline {
     }
 }
 
+/// Refuses a stage that is to take off what acts from the stage of a place on, if it does not come
+/// after it.
+pub(crate) fn check_removal(
+    stages: &[SceneStage],
+    first: usize,
+    name: &str,
+) -> Result<(), StagingError> {
+    match stages.iter().position(|stage| stage.name == name) {
+        None => Err(StagingError::NoSuchStage { name: name.into() }),
+        Some(removal) if removal <= first => Err(StagingError::RemovedEarly {
+            name: name.into(),
+            first: stages[first].name.clone(),
+        }),
+        Some(_) => Ok(()),
+    }
+}
+
 /// What concerns the scene as a whole.
 fn check(scene: &Scene) -> Result<(), StagingError> {
+    for name in scene
+        .loads
+        .iter()
+        .filter_map(|load| load.removed_in.as_ref())
+    {
+        check_removal(&scene.stages, 0, name)?;
+    }
     if scene.stages.is_empty() {
         let what = match (&scene.in_situ_stress, &scene.bolts[..]) {
             (Some(_), _) => "an in-situ stress",
@@ -199,6 +223,13 @@ impl Found<'_> {
             return Err(StagingError::SameName.into());
         }
         stage.options.check().map_err(StagingError::from)?;
+        for name in stage
+            .loads
+            .iter()
+            .filter_map(|load| load.removed_in.as_ref())
+        {
+            check_removal(stages, place, name)?;
+        }
         let excavated = self.excavate(stage)?;
         let cast = self.cast(stage)?;
         self.change_materials(stage, &cast)?;

@@ -153,6 +153,31 @@ fn faults_of_stages_have_their_place() {
             "there is no facet set 'intrado'",
         ),
         (
+            "pressure = 1e5",
+            "pressure = 1e5\nremoved_in = §\"linning\"",
+            "no stage 'linning' that could take the load off",
+        ),
+        (
+            "pressure = 1e5",
+            "pressure = 1e5\nremoved_in = §\"lining\"",
+            "stage 'lining' cannot take the load off: it acts from stage 'lining' on",
+        ),
+        (
+            "pressure = 1e5",
+            "pressure = 1e5\nremoved_in = §\"ground\"",
+            "stage 'ground' cannot take the load off",
+        ),
+        (
+            "[in_situ_stress]",
+            "[[load]]\nkind = \"nodal\"\nset = \"top\"\nforce = [0, 0, 1]\nremoved_in = §\"ground\"\n[in_situ_stress]",
+            "it acts from stage 'ground' on",
+        ),
+        (
+            "[in_situ_stress]",
+            "[[load]]\nkind = \"gravity\"\n§removed_in = \"lining\"\n[in_situ_stress]",
+            "unknown key 'removed_in'",
+        ),
+        (
             "duration = 20",
             "duration = 20\ninitial = §\"field\"",
             "starts at rest",

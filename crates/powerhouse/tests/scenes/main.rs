@@ -13,6 +13,7 @@ mod laws;
 mod region;
 mod runs;
 mod smaller;
+mod stage_loads;
 mod stages;
 mod stages_at_rest;
 mod support;
