@@ -136,7 +136,8 @@ macro_rules! wide_lane {
         $(#[$doc:meta])* $name:ident, $scalar:ident, $register:ident, $mask:ident, $lanes:ident,
         $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $mul_add:ident,
         $sqrt:ident, $abs:ident, $less:ident, $select:ident, $first_true:ident,
-        $as_simd:ident, $as_mut_simd:ident, $deinterleave:ident, $interleave:ident
+        $as_simd:ident, $as_mut_simd:ident, $deinterleave:ident, $interleave:ident,
+        $min:ident, $max:ident, $power_of_two:ident
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -257,6 +258,23 @@ macro_rules! wide_lane {
                 }
                 Self::load(token, &lanes)
             }
+            // Of two numbers one of which is none the instructions of this family, unlike those of
+            // others, take the second, as `Lane` wants it.
+            #[cfg(target_arch = "x86_64")]
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self::new(self.token, self.token.$min(self.register, other.register))
+            }
+            #[cfg(target_arch = "x86_64")]
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self::new(self.token, self.token.$max(self.register, other.register))
+            }
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                let shifted = self + self.constant(1.5 / $scalar::EPSILON as f64);
+                Self::new(self.token, $power_of_two(self.token, shifted.register))
+            }
         }
 
         impl<T: Simd> BatchLane for $name<T> {
@@ -304,7 +322,8 @@ wide_lane! {
     WideF64, f64, f64s, m64s, F64_LANES,
     splat_f64s, add_f64s, sub_f64s, mul_f64s, div_f64s, neg_f64s, mul_add_f64s,
     sqrt_f64s, abs_f64s, less_than_f64s, select_f64s, first_true_m64s,
-    as_simd_f64s, as_mut_simd_f64s, deinterleave_shfl_f64s, interleave_shfl_f64s
+    as_simd_f64s, as_mut_simd_f64s, deinterleave_shfl_f64s, interleave_shfl_f64s,
+    min_f64s, max_f64s, exponents_of_f64s
 }
 
 wide_lane! {
@@ -312,7 +331,31 @@ wide_lane! {
     WideF32, f32, f32s, m32s, F32_LANES,
     splat_f32s, add_f32s, sub_f32s, mul_f32s, div_f32s, neg_f32s, mul_add_f32s,
     sqrt_f32s, abs_f32s, less_than_f32s, select_f32s, first_true_m32s,
-    as_simd_f32s, as_mut_simd_f32s, deinterleave_shfl_f32s, interleave_shfl_f32s
+    as_simd_f32s, as_mut_simd_f32s, deinterleave_shfl_f32s, interleave_shfl_f32s,
+    min_f32s, max_f32s, exponents_of_f32s
+}
+
+/// Powers of two with the whole numbers in the last bits of some registers as exponents.
+#[inline(always)]
+fn exponents_of_f32s<T: Simd>(token: T, shifted: T::f32s) -> T::f32s {
+    let digits = token.splat_u32s(f32::MANTISSA_DIGITS - 1);
+    let bits = token.wrapping_dyn_shl_u32s(token.transmute_u32s_f32s(shifted), digits);
+    let bits = token.add_u32s(bits, token.splat_u32s(1.0_f32.to_bits()));
+    token.transmute_f32s_u32s(bits)
+}
+
+/// The same in double precision, of which the exponents stand in the upper halves: the lower ones move
+/// there, and what follows them is cut off.
+#[inline(always)]
+fn exponents_of_f64s<T: Simd>(token: T, shifted: T::f64s) -> T::f64s {
+    let halves: T::u32s = pulp::bytemuck::cast(token.transmute_u64s_f64s(shifted));
+    let halves = token.rotate_right_u32s(halves, 1);
+    let digits = token.splat_u32s(f64::MANTISSA_DIGITS - 33);
+    let bits = token.wrapping_dyn_shl_u32s(halves, digits);
+    let bits = token.add_u32s(bits, token.splat_u32s((1.0_f64.to_bits() >> 32) as u32));
+    let upper = token.splat_u64s(!0 << 32);
+    let bits = token.and_u64s(pulp::bytemuck::cast(bits), upper);
+    token.transmute_f64s_u64s(bits)
 }
 
 /// Work on batches, generic over the lane.
@@ -399,5 +442,75 @@ impl Arrangement {
     pub(crate) fn place(&self, element: usize, index: usize, count: usize) -> usize {
         let (batch, j) = (element / self.width, element % self.width);
         (batch * count + index) * self.width + self.lane_of[j]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Least and greatest, whole numbers and powers of two of a pack.
+    struct Pick([f64; 2 * MOST_LANES]);
+
+    impl<S: BatchScalar> BatchOperation<S> for Pick {
+        type Output = Vec<f64>;
+        #[inline(always)]
+        fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> Vec<f64> {
+            let mut found = Vec::new();
+            for start in (0..MOST_LANES).step_by(L::WIDTH) {
+                let a = L::build(token, |lane| self.0[start + lane]);
+                let b = L::build(token, |lane| self.0[MOST_LANES + start + lane]);
+                let whole = a.min(a.constant(120.0)).max(a.constant(-120.0)).round();
+                for result in [a.min(b), a.max(b), b.min(a), whole, whole.power_of_two()] {
+                    found.extend((0..L::WIDTH).map(|lane| result.extract(lane)));
+                }
+            }
+            found
+        }
+    }
+
+    fn same_bits<S: BatchScalar>() {
+        let special = [
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            0.0,
+            -0.0,
+            1.0,
+            -2.5,
+            99.5,
+        ];
+        let mut numbers = [0.0; 2 * MOST_LANES];
+        for turn in 0..special.len() {
+            for (place, number) in numbers.iter_mut().enumerate() {
+                let turn = turn * (place / MOST_LANES);
+                *number = special[(place + turn) % special.len()];
+            }
+            let wide = |lanes: Lanes| {
+                let width = lanes.arrangement::<S>().width;
+                let found = lanes.dispatch::<S, _>(Pick(numbers));
+                // By place, whatever the width.
+                let mut ordered = vec![0_u64; found.len()];
+                for (index, number) in found.iter().enumerate() {
+                    let (pack, rest) = (index / (5 * width), index % (5 * width));
+                    let place = rest / width * MOST_LANES + pack * width + rest % width;
+                    ordered[place] = number.to_bits();
+                }
+                ordered
+            };
+            assert_eq!(
+                wide(Lanes::new(LaneWidth::Native)),
+                wide(Lanes::new(LaneWidth::One)),
+                "{turn}"
+            );
+        }
+    }
+
+    /// The least and the greatest of two numbers, whole numbers and powers of two have the bits of one
+    /// lane in wide ones, numbers that are none included.
+    #[test]
+    fn operations_of_packs_have_the_bits_of_scalars() {
+        same_bits::<f64>();
+        same_bits::<f32>();
     }
 }

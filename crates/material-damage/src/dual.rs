@@ -118,4 +118,11 @@ impl Lane for Dual {
     fn build(token: (), mut value: impl FnMut(usize) -> f64) -> Self {
         Self::splat(token, value(0))
     }
+    /// Whole numbers do not change.
+    fn round(self) -> Self {
+        Self::fixed(Lane::round(self.value))
+    }
+    fn power_of_two(self) -> Self {
+        Self::fixed(self.value.power_of_two())
+    }
 }

@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    Stress, array, each,
+    Stress, array,
 };
 
 use crate::energy;
@@ -95,16 +95,18 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
         let lambda = first.constant(self.lambda);
         let change = Stress::elastic(lambda, first.constant(self.shear), &elastic);
         let trial = input.initial + change;
-        history::keep::<L, { HISTORY.len() }>(old, new_history);
+        let mut now = history::taken::<L, { HISTORY.len() }>(old);
         let Some(flow) = Flow::back(&self.surface, &trial) else {
-            new_history[YIELD_STATE] = first.constant(0.0);
+            now[YIELD_STATE] = first.constant(0.0);
+            history::put(&now, new_history);
             return change;
         };
         for i in 0..6 {
-            new_history[i] = old[i] + flow.plastic[i];
+            now[i] = now[i] + flow.plastic[i];
         }
-        new_history[EQUIVALENT] = old[EQUIVALENT] + equivalent(&flow.plastic);
-        new_history[YIELD_STATE] = flow.state;
+        now[EQUIVALENT] = now[EQUIVALENT] + flow.equivalent();
+        now[YIELD_STATE] = flow.state;
+        history::put(&now, new_history);
         flow.stress_change(&change, &input.initial)
     }
     fn elastic_domain(&self) -> Option<ElasticDomain> {
@@ -133,25 +135,4 @@ impl<S: YieldSurface> ElasticInSeries for ElastoPlastic<S> {
     fn inelastic_strain<L: Lane>(&self, history: &[L]) -> Option<[L; 6]> {
         Some(array(|i| history[i]))
     }
-}
-
-/// Below this size, of which the inverse is a number in single precision too, strains count as
-/// nothing.
-const LEAST_STRAIN: f64 = 1.0e-36;
-
-/// `sqrt(2/3 e : e)` of strains with engineering shears, which may be so large that squares are
-/// not numbers.
-#[inline(always)]
-pub(crate) fn equivalent<L: Lane>(strains: &[L; 6]) -> L {
-    let number = |value: f64| strains[0].constant(value);
-    let mut largest = number(LEAST_STRAIN);
-    for strain in strains {
-        largest = largest.max(strain.abs());
-    }
-    let inverse = number(1.0) / largest;
-    let [xx, yy, zz, xy, yz, zx] = each(strains, |x| x * inverse);
-    let normal = xx.mul_add(xx, yy.mul_add(yy, zz * zz));
-    let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
-    let square = shear.mul_add(number(0.5), normal);
-    largest * (square * number(2.0 / 3.0)).sqrt()
 }

@@ -1,6 +1,6 @@
 //! History variables that several laws have.
 
-use powerhouse_model::{HistoryVariable, Lane};
+use powerhouse_model::{HistoryVariable, Lane, array};
 
 /// An amount without a unit.
 pub(crate) const fn number(name: &'static str) -> HistoryVariable {
@@ -35,5 +35,21 @@ pub(crate) const PLASTIC_STRAINS: [HistoryVariable; 6] = [
 pub(crate) fn keep<L: Lane, const N: usize>(old: &[L], new: &mut [L]) {
     for i in 0..N {
         new[i] = old[i];
+    }
+}
+
+/// The `N` variables of a history, to be changed before they are [`put`] down: numbers that stay in
+/// registers, where writing them into the new history twice would go through memory.
+#[inline(always)]
+pub(crate) fn taken<L: Lane, const N: usize>(old: &[L]) -> [L; N] {
+    array(|i| old[i])
+}
+
+/// Writes `N` variables into a new history.
+#[inline(always)]
+#[expect(clippy::manual_memcpy, reason = "a call is what this avoids")]
+pub(crate) fn put<L: Lane, const N: usize>(variables: &[L; N], new: &mut [L]) {
+    for i in 0..N {
+        new[i] = variables[i];
     }
 }

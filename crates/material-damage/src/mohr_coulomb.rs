@@ -81,6 +81,8 @@ pub struct MohrCoulomb {
     plane: ShearPlane,
     /// The cut-off in force, `T` (Pa).
     tension: f64,
+    /// Whether it is where shear strength ends.
+    ends_at_apex: bool,
     /// `lambda / 2G`.
     volumetric: f64,
 }
@@ -107,7 +109,8 @@ impl MohrCoulomb {
         check_frictional(&medium, friction, dilation, cohesion)?;
         let ratio = passive_ratio(friction);
         let strength = 2.0 * cohesion * ratio.sqrt();
-        let apex = (strength / (ratio - 1.0)).min(FRICTIONLESS_CUT_OFF * cohesion);
+        let tip = strength / (ratio - 1.0);
+        let apex = tip.min(FRICTIONLESS_CUT_OFF * cohesion);
         let tension = match tension_strength {
             Some(listed) => {
                 ParameterError::check("tension_strength", listed, 0.0, 1.0e12)?;
@@ -119,6 +122,7 @@ impl MohrCoulomb {
             parameters,
             plane: ShearPlane::new(ratio, passive_ratio(dilation), strength),
             tension,
+            ends_at_apex: tension == tip,
             volumetric: medium.poisson / (1.0 - 2.0 * medium.poisson),
         })
     }
@@ -175,10 +179,18 @@ impl YieldSurface for MohrCoulomb {
 
     #[inline(always)]
     fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L> {
-        let mut nearest = Nearest::new(trial, self.volumetric, self.tension);
+        let excess = self.excess(trial);
+        let mut nearest = Nearest::new(trial, excess, self.volumetric, self.tension);
         nearest.offer_shear(&self.plane, None, self.tension);
-        nearest.offer_cut_off(&self.plane);
-        nearest.offer_meeting(&self.plane);
+        if nearest.is_open() {
+            if self.ends_at_apex {
+                nearest.offer_apex(&self.plane);
+            } else {
+                nearest.offer_corner();
+                nearest.offer_cut_off(&self.plane);
+                nearest.offer_meeting(&self.plane);
+            }
+        }
         nearest.found()
     }
 

@@ -57,10 +57,13 @@ pub(crate) fn below_cut_off(domain: ElasticDomain, tension: f64) -> ElasticDomai
 }
 
 /// The face, edge or corner that violates the conditions of a return least, of those that were
-/// offered.
+/// offered; the trial itself where it lies inside.
 ///
 /// Plastic strains are written as `x = 2G e` (Pa): `trial - returned = x + r (x1 + x2 + x3)` with
 /// `r = lambda / 2G`. A point on a shear face or edge is placed by its greatest stress.
+///
+/// What violates no condition is the solution: it is not exchanged any more, and when that is so in
+/// all lanes nothing more need be [offered](Self::is_open).
 pub(crate) struct Nearest<L> {
     trial: [L; 3],
     /// `r`.
@@ -76,28 +79,23 @@ pub(crate) struct Nearest<L> {
 }
 
 impl<L: Lane> Nearest<L> {
-    /// Begins with the corner where all three stresses are at the cut-off.
+    /// Begins with the trial itself, that lies outside by an excess (Pa).
     #[inline(always)]
-    pub(crate) fn new(trial: &[L; 3], volumetric: f64, tension: f64) -> Self {
-        use YieldState::Tension;
+    pub(crate) fn new(trial: &[L; 3], excess: L, volumetric: f64, tension: f64) -> Self {
         let [s1, s2, s3] = *trial;
         let number = |value: f64| s1.constant(value);
-        let limit = number(tension);
-        let over = [s1 - limit, s2 - limit, s3 - limit];
-        let share = number(volumetric) * number(1.0 / (1.0 + 3.0 * volumetric));
-        let common = share * (over[0] + over[1] + over[2]);
-        let mut nearest = Self {
+        let (zero, limit) = (number(0.0), number(tension));
+        let is_outside = zero.less(excess);
+        Self {
             trial: *trial,
             volumetric,
             tension,
-            over,
-            violation: number(f64::INFINITY),
-            stress: [limit; 3],
-            loss: over,
-            state: number(Tension.number()),
-        };
-        nearest.offer(Tension, [limit; 3], over, [common - over[2]]);
-        nearest
+            over: [s1 - limit, s2 - limit, s3 - limit],
+            violation: number(f64::INFINITY).select(is_outside, -number(f64::INFINITY)),
+            stress: *trial,
+            loss: [zero; 3],
+            state: number(YieldState::Elastic.number()),
+        }
     }
 
     /// What was found.
@@ -120,6 +118,19 @@ impl<L: Lane> Nearest<L> {
         loss: [L; 3],
         conditions: [L; C],
     ) {
+        let state = self.state.constant(state.number());
+        self.offer_in(state, stress, loss, conditions);
+    }
+
+    /// The same with the number of the state.
+    #[inline(always)]
+    fn offer_in<const C: usize>(
+        &mut self,
+        state: L,
+        stress: [L; 3],
+        loss: [L; 3],
+        conditions: [L; C],
+    ) {
         let mut violation = conditions[0];
         for condition in &conditions[1..] {
             violation = violation.max(*condition);
@@ -128,8 +139,52 @@ impl<L: Lane> Nearest<L> {
         self.violation = violation.select(better, self.violation);
         self.stress = pick(better, &stress, &self.stress);
         self.loss = pick(better, &loss, &self.loss);
-        let number = self.state.constant(state.number());
-        self.state = number.select(better, self.state);
+        self.state = state.select(better, self.state);
+    }
+
+    /// Whether a lane has no solution yet; the others keep theirs.
+    #[inline(always)]
+    pub(crate) fn is_open(&mut self) -> bool {
+        let zero = self.violation.constant(0.0);
+        let open = zero.less(self.violation);
+        let settled = zero.constant(-f64::INFINITY);
+        self.violation = self.violation.select(open, settled);
+        zero.any(open)
+    }
+
+    /// The fall of each stress that is less than that to the cut-off by the flow, where all three are
+    /// at the cut-off: `x`.
+    #[inline(always)]
+    fn flow_to_corner(&self) -> [L; 3] {
+        let r = self.volumetric;
+        let [a, b, c] = self.over;
+        let common = a.constant(r / (1.0 + 3.0 * r)) * (a + b + c);
+        [a - common, b - common, c - common]
+    }
+
+    /// Offers the corner where all three stresses are at the cut-off.
+    #[inline(always)]
+    pub(crate) fn offer_corner(&mut self) {
+        use YieldState::Tension;
+        let limit = self.trial[0].constant(self.tension);
+        let [_, _, least] = self.flow_to_corner();
+        self.offer(Tension, [limit; 3], self.over, [-least]);
+    }
+
+    /// Offers the apex of a shear plane, where the cut-off stands: flow is any combination of the
+    /// opening of single axes and of shear, so that `sum <x_i>` is at least `m sum <-x_i>`.
+    #[inline(always)]
+    pub(crate) fn offer_apex(&mut self, plane: &ShearPlane) {
+        use YieldState::{Both, Tension};
+        let number = |value: f64| self.trial[0].constant(value);
+        let (zero, limit) = (number(0.0), number(self.tension));
+        let [a, b, c] = self.flow_to_corner();
+        let opening = a.max(zero) + b.max(zero) + c.max(zero);
+        let closing = a.min(zero) + b.min(zero) + c.min(zero);
+        let lacking = -(number(plane.dilation).mul_add(closing, opening));
+        let [pulled, sheared] = [Tension, Both].map(YieldState::number);
+        let state = number(sheared).select(c.less(zero), number(pulled));
+        self.offer_in(state, [limit; 3], self.over, [lacking]);
     }
 
     /// Offers a shear plane and its edges, where the greatest stress is at least `from` (if given)

@@ -264,14 +264,14 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         let elastic = difference(&input.strain.0, old);
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let trial = input.initial + change;
-        history::keep::<L, { HISTORY.len() }>(old, new_history);
-        new_history[YIELD_STATE] = zero;
+        let mut now = history::taken::<L, { HISTORY.len() }>(old);
+        now[YIELD_STATE] = zero;
 
         let mut tension = one;
         if let Some(flow) = FlowInAxes::back(&self.parameters.surface, &trial) {
             tension = share_of_tension(&flow.stress);
             for i in 0..6 {
-                new_history[i] = old[i] + flow.flow.plastic[i];
+                now[i] = now[i] + flow.flow.plastic[i];
             }
             let opened = old[TENSION] + positive(flow.plastic);
             let crushed = (one - tension) * positive(each(&flow.plastic, |e| -e));
@@ -283,9 +283,9 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
                 (DAMAGE_TENSION, torn.max(old[DAMAGE_TENSION])),
                 (DAMAGE_COMPRESSION, broken.max(old[DAMAGE_COMPRESSION])),
             ] {
-                new_history[variable] = value.select(flow.yielded, old[variable]);
+                now[variable] = value.select(flow.yielded, old[variable]);
             }
-            new_history[YIELD_STATE] = flow.flow.state;
+            now[YIELD_STATE] = flow.flow.state;
             change = flow.flow.stress_change(&change, &input.initial);
         } else if self.parameters.stiffness_recovery > 0.0
             && first.any(zero.less(old[DAMAGE_TENSION]))
@@ -293,16 +293,11 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             tension = share_of_tension(&PrincipalAxes::of(&trial).values);
         }
 
-        weaken(
-            &change,
-            &input.initial,
-            new_history,
-            tension,
-            [
-                self.parameters.stiffness_recovery,
-                self.parameters.residual_stiffness,
-            ],
-        )
+        let p = &self.parameters;
+        let shares = [p.stiffness_recovery, p.residual_stiffness];
+        let nominal = weaken(&change, &input.initial, &mut now, tension, shares);
+        history::put(&now, new_history);
+        nominal
     }
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         self.parameters.surface.elastic_domain()

@@ -2,17 +2,17 @@
 
 use powerhouse_model::{Lane, Scalar, Stress, array, each};
 
-/// The greatest root of `x^3 - 3 x = 2 h` for `h` from 0 to 1, to 1e-5: Chebyshev interpolation,
+/// The greatest root of `x^3 - 3 x = 2 h` for `h` from 0 to 1, to 1.4e-6: Chebyshev interpolation,
 /// powers of `h`.
-const ROOT: [f64; 5] = [
-    1.732_059_69,
-    0.332_858_23,
-    -0.092_011_07,
-    0.035_285_24,
-    -0.008_198_94,
+const ROOT: [f64; 6] = [
+    1.732_052_122,
+    0.333_237_713,
+    -0.095_050_028,
+    0.043_799_255,
+    -0.017_932_902,
+    0.003_894_603,
 ];
-/// Newton steps from there, each of which squares the error.
-const NEWTON_STEPS: usize = 2;
+const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
 /// Principal values in falling order, with their directions.
 ///
@@ -30,18 +30,19 @@ impl<L: Lane> PrincipalAxes<L> {
     /// The axes of a stress.
     ///
     /// Without iteration over rotations: of the deviator, scaled to `r = sqrt(J2 / 3) = 1`, the
-    /// principal value that stands apart from the other two is a root of `x^3 - 3 x = det`,
+    /// principal value `x` that stands apart from the other two is a root of `x^3 - 3 x = det`,
     /// between `sqrt 3` and 2 in size, where the slope of the cubic is at least 6. Its direction is
-    /// the longest of the products of two rows of what is left without it. In the plane across
-    /// that direction one rotation of Jacobi (1846) finishes,
+    /// the longest column of the adjugate of what is left without it, which is `3 (x^2 - 1) v v^T`.
+    /// In the plane across that direction, with entries `a`, `b` and `o / 2` off the diagonal,
     ///
-    /// `t = sgn(d) o / (|d| + sqrt(d^2 + o^2))`, `d = a_qq - a_pp`, `o = 2 a_pq`
+    /// `(a + b + h) / 2` along `(h + d, o)`, `(a + b - h) / 2` across it, `d = a - b`, `h = sqrt(d^2 + o^2)`
     ///
-    /// (Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, section 8.5; the isolated root
-    /// first: Eberly, *A Robust Eigensolver for 3 x 3 Symmetric Matrices*, 2014). No step divides by a
-    /// difference of principal values. Values are accurate to some ten roundings of the largest
-    /// entry, directions are orthonormal to a few roundings. A tensor with an entry that is not
-    /// finite has NaN for its values.
+    /// (`(o, h - d)` if `d < 0`). No step divides by a difference of principal values. Values are
+    /// accurate to some ten roundings of the largest entry, directions are orthonormal to a few
+    /// roundings. A tensor with an entry that is not finite has NaN for its values.
+    ///
+    /// Sources: the isolated root first: Eberly, *A Robust Eigensolver for 3 x 3 Symmetric Matrices*,
+    /// 2014; two vectors across a third: Duff et al., *J. Computer Graphics Techniques* 6(1), 2017.
     ///
     /// ```
     /// use powerhouse_material_damage::PrincipalAxes;
@@ -55,70 +56,130 @@ impl<L: Lane> PrincipalAxes<L> {
     /// ```
     #[inline(always)]
     pub fn of(stress: &Stress<L>) -> Self {
-        let zero = stress.0[0].constant(0.0);
-        let mut largest = stress.0[0].abs();
-        for entry in &stress.0[1..] {
-            largest = largest.max(entry.abs());
-        }
-        let (down, up) = balance(largest);
-        let size = largest * down;
-        // Zero, or NaN if an entry is not finite: an entry off the diagonal could else be lost.
-        let mut finite = stress.0[0] * zero;
-        for entry in &stress.0[1..] {
-            finite = finite + *entry * zero;
-        }
-        let matrix = Symmetric(each(&stress.0, |x| x * down));
-        let apart = matrix.direction_apart();
+        let number = |value: f64| stress.0[0].constant(value);
+        let (zero, half, one) = (number(0.0), number(0.5), number(1.0));
+        let Scaled {
+            deviator,
+            radius,
+            mean,
+        } = Scaled::of(stress);
+        let (is_least, root) = deviator.apart();
+        let value = (-root).select(is_least, root);
+        let apart = deviator.direction_of(value);
+
+        // The plane across.
         let [p, q] = across(&apart);
-        let [p, q] = matrix.turned(p, q, size);
+        let turned = deviator.times(&p);
+        let (entry, mixed) = (dot(&p, &turned), dot(&q, &turned));
+        let sum = deviator.trace() - value;
+        let d = entry + entry - sum;
+        let o = mixed + mixed;
+        let width = d.mul_add(d, o * o).sqrt();
+        let long = d.abs() + width;
+        let long = long.select(number(LEAST).less(long), one);
+        let inverse = one / long.mul_add(long, o * o).sqrt();
+        let (long, short) = (long * inverse, o * inverse);
+        let is_falling = d.less(zero);
+        let (along_p, along_q) = (
+            short.select(is_falling, long),
+            long.select(is_falling, short),
+        );
+        let (upper, lower) = ((sum + width) * half, (sum - width) * half);
+
+        // Of the two in the plane, the one at the other end of the order; and the one between.
+        let (end_p, end_q) = (
+            along_p.select(is_least, -along_q),
+            along_q.select(is_least, along_p),
+        );
+        let end: [L; 3] = array(|i| end_p * p[i] + end_q * q[i]);
+        let between: [L; 3] = array(|i| end_q * p[i] - end_p * q[i]);
         let values = [
-            matrix.along(&apart, &apart),
-            matrix.along(&p, &p),
-            matrix.along(&q, &q),
+            upper.select(is_least, value),
+            lower.select(is_least, upper),
+            value.select(is_least, lower),
         ];
-        let mut axes = Self {
-            values: each(&values, |value| value * up + finite),
-            directions: [apart, p, q],
-        };
-        axes.order(0, 1);
-        axes.order(1, 2);
-        axes.order(0, 1);
-        axes
+        Self {
+            values: each(&values, |scaled| scaled.mul_add(radius, mean)),
+            directions: [
+                array(|i| end[i].select(is_least, apart[i])),
+                between,
+                array(|i| apart[i].select(is_least, end[i])),
+            ],
+        }
     }
 
     /// The symmetric tensor with these axes and other values, components xx yy zz xy yz zx.
     #[inline(always)]
-    pub fn tensor(&self, values: &[L; 3]) -> [L; 6] {
-        [
-            self.entry(values, 0, 0),
-            self.entry(values, 1, 1),
-            self.entry(values, 2, 2),
-            self.entry(values, 0, 1),
-            self.entry(values, 1, 2),
-            self.entry(values, 2, 0),
-        ]
+    pub fn tensor(&self, &[first, middle, last]: &[L; 3]) -> [L; 6] {
+        // The middle value times unity, and what the others have more.
+        let [a, _, c] = self.directions;
+        let (up, down) = (first - middle, last - middle);
+        let scaled_a = each(&a, |x| x * up);
+        let scaled_c = each(&c, |x| x * down);
+        let mut entries = [middle; 6];
+        for (place, [row, column]) in ENTRIES.into_iter().enumerate() {
+            let entry = scaled_a[row].mul_add(a[column], scaled_c[row] * c[column]);
+            entries[place] = if row == column { entry + middle } else { entry };
+        }
+        entries
     }
+}
 
-    /// One entry of that tensor.
-    #[inline(always)]
-    fn entry(&self, values: &[L; 3], row: usize, column: usize) -> L {
-        let [a, b, c] = &self.directions;
-        values[0] * a[row] * a[column]
-            + values[1] * b[row] * b[column]
-            + values[2] * c[row] * c[column]
-    }
+/// Rows and columns of the components xx yy zz xy yz zx.
+const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
 
-    /// Exchanges two neighbours that stand in rising order.
+/// Lanes of sizes whose squares are near the ends of the range of numbers or beyond, or of none.
+#[inline(always)]
+pub(crate) fn is_extreme<L: Lane>(size: L) -> L::Mask {
+    let [low, high] = if L::Scalar::EPSILON > f64::EPSILON {
+        [1.0e-15, 1.0e15]
+    } else {
+        [1.0e-140, 1.0e140]
+    };
+    let number = |value: f64| size.constant(value);
+    let (zero, one) = (number(0.0), number(1.0));
+    let inside = one.select(number(low).less(size), zero);
+    inside.select(size.less(number(high)), zero).less(one)
+}
+
+/// A length that is none beside one.
+const LEAST: f64 = 1.0e-15;
+
+/// A tensor as `mean + radius deviator`.
+struct Scaled<L> {
+    /// The deviator over `sqrt(J2 / 3)`, or as it is if that is zero.
+    deviator: Symmetric<L>,
+    radius: L,
+    mean: L,
+}
+
+impl<L: Lane> Scaled<L> {
     #[inline(always)]
-    fn order(&mut self, first: usize, second: usize) {
-        let (a, b) = (self.values[first], self.values[second]);
-        let rising = a.less(b);
-        self.values[first] = b.select(rising, a);
-        self.values[second] = a.select(rising, b);
-        for i in 0..3 {
-            let (a, b) = (self.directions[first][i], self.directions[second][i]);
-            self.directions[first][i] = b.select(rising, a);
-            self.directions[second][i] = a.select(rising, b);
+    fn of(stress: &Stress<L>) -> Self {
+        let number = |value: f64| stress.0[0].constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        let (mut mean, mut shear) = stress.mean_and_shear();
+        let (mut tensor, mut up, mut finite) = (*stress, one, zero);
+        if zero.any(is_extreme(shear)) {
+            let mut largest = zero;
+            for entry in &stress.0 {
+                largest = largest.max(entry.abs());
+                // Zero, or NaN if an entry is not finite: one off the diagonal could else be lost.
+                finite = finite + *entry * zero;
+            }
+            let down;
+            (down, up) = balance(largest);
+            tensor = Stress(each(&stress.0, |x| x * down));
+            (mean, shear) = tensor.mean_and_shear();
+        }
+        let some = shear.select(zero.less(shear), one);
+        let scale = number(ROOT_3) / some;
+        let [xx, yy, zz, xy, yz, zx] = tensor.0;
+        let deviator = [xx - mean, yy - mean, zz - mean, xy, yz, zx];
+        Self {
+            deviator: Symmetric(each(&deviator, |x| x * scale)),
+            radius: shear * number(1.0 / ROOT_3) * up,
+            mean: mean * up + finite,
         }
     }
 }
@@ -147,116 +208,106 @@ struct Symmetric<L>([L; 6]);
 
 impl<L: Lane> Symmetric<L> {
     #[inline(always)]
-    fn rows(&self) -> [[L; 3]; 3] {
+    fn trace(&self) -> L {
+        let [xx, yy, zz, ..] = self.0;
+        xx + yy + zz
+    }
+
+    #[inline(always)]
+    fn times(&self, a: &[L; 3]) -> [L; 3] {
         let [xx, yy, zz, xy, yz, zx] = self.0;
-        [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]
+        [
+            dot(&[xx, xy, zx], a),
+            dot(&[xy, yy, yz], a),
+            dot(&[zx, yz, zz], a),
+        ]
     }
 
-    /// `a . T . b`.
+    /// Whether the principal value of a scaled deviator that is furthest from the others is the
+    /// least, and its size.
     #[inline(always)]
-    fn along(&self, a: &[L; 3], b: &[L; 3]) -> L {
-        let [x, y, z] = self.rows();
-        dot(a, &[dot(&x, b), dot(&y, b), dot(&z, b)])
-    }
-
-    /// The deviator over `sqrt(J2 / 3)`, or as it is if that is zero.
-    #[inline(always)]
-    fn scaled_deviator(&self) -> Self {
+    fn apart(&self) -> (L::Mask, L) {
         let [xx, yy, zz, xy, yz, zx] = self.0;
         let number = |value: f64| xx.constant(value);
-        let mean = (xx + yy + zz) * number(1.0 / 3.0);
-        let (x, y, z) = (xx - mean, yy - mean, zz - mean);
-        let normal = x.mul_add(x, y.mul_add(y, z * z)) * number(0.5);
-        let square = normal + xy.mul_add(xy, yz.mul_add(yz, zx * zx));
-        let radius = (square * number(1.0 / 3.0)).sqrt();
-        let one = number(1.0);
-        let scale = one / radius.select(number(0.0).less(radius), one);
-        Self(each(&[x, y, z, xy, yz, zx], |entry| entry * scale))
-    }
-
-    /// The unit vector of the principal value that is furthest from the others.
-    #[inline(always)]
-    fn direction_apart(&self) -> [L; 3] {
-        let deviator = self.scaled_deviator();
-        let [x, y, z] = deviator.rows();
-        let number = |value: f64| x[0].constant(value);
-        let (zero, one) = (number(0.0), number(1.0));
-        let determinant = dot(&x, &cross(&y, &z));
-        let half = determinant.abs() * number(0.5);
-        let half = one.select(one.less(half), half);
-        let mut root = number(ROOT[4]);
+        let (one, three) = (number(1.0), number(3.0));
+        let minors = [
+            minor(yy, zz, yz, yz),
+            minor(yz, zx, xy, zz),
+            minor(xy, yz, yy, zx),
+        ];
+        let determinant = dot(&[xx, xy, zx], &minors);
+        let half = (determinant.abs() * number(0.5)).min(one);
+        let mut root = number(ROOT[ROOT.len() - 1]);
         for power in 1..ROOT.len() {
             root = root.mul_add(half, number(ROOT[ROOT.len() - 1 - power]));
         }
-        for _ in 0..NEWTON_STEPS {
-            let square = root * root;
-            let value = root * (square - number(3.0)) - (half + half);
-            root = root - value / (number(3.0) * (square - one));
+        // One step of Newton squares the error, a second one may take the slope of the first.
+        let square = root * root;
+        let inverse = one / (three * (square - one));
+        root = root - (root * (square - three) - (half + half)) * inverse;
+        if L::Scalar::EPSILON < 1.0e-10 {
+            root = root - (root * (root * root - three) - (half + half)) * inverse;
         }
-        let value = (-root).select(determinant.less(zero), root);
-        let x = [x[0] - value, x[1], x[2]];
-        let y = [y[0], y[1] - value, y[2]];
-        let z = [z[0], z[1], z[2] - value];
-        let (mut longest, mut square) = ([one, zero, zero], zero);
-        for product in [cross(&x, &y), cross(&y, &z), cross(&z, &x)] {
-            let found = dot(&product, &product);
-            let longer = square.less(found);
-            square = found.select(longer, square);
-            longest = array(|i| product[i].select(longer, longest[i]));
-        }
-        let length = square.select(zero.less(square), one).sqrt();
-        each(&longest, |entry| entry / length)
+        (determinant.less(number(0.0)), root)
     }
 
-    /// Two unit vectors across each other, turned in their plane until their entry is zero, where it
-    /// counts beside `size`.
+    /// The unit vector that belongs to a principal value which stands apart from the others.
     #[inline(always)]
-    fn turned(&self, p: [L; 3], q: [L; 3], size: L) -> [[L; 3]; 2] {
-        let zero = size.constant(0.0);
-        let one = size.constant(1.0);
-        let entry = self.along(&p, &q);
-        let counts = size.less(size + entry.abs());
-        let d = self.along(&q, &q) - self.along(&p, &p);
-        let o = entry + entry;
-        let signed = (-o).select(d.less(zero), o);
-        let tangent = signed / (d.abs() + d.mul_add(d, o * o).sqrt());
-        let tangent = tangent.select(counts, zero);
-        let cosine = one / tangent.mul_add(tangent, one).sqrt();
-        let sine = tangent * cosine;
-        [
-            array(|i| cosine * p[i] - sine * q[i]),
-            array(|i| sine * p[i] + cosine * q[i]),
-        ]
+    fn direction_of(&self, value: L) -> [L; 3] {
+        let [xx, yy, zz, xy, yz, zx] = self.0;
+        let number = |value: f64| xx.constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        let (x, y, z) = (xx - value, yy - value, zz - value);
+        // The adjugate.
+        let normal = [
+            minor(y, z, yz, yz),
+            minor(z, x, zx, zx),
+            minor(x, y, xy, xy),
+        ];
+        let shear = [
+            minor(yz, zx, xy, z),
+            minor(zx, xy, yz, x),
+            minor(xy, yz, zx, y),
+        ];
+        let ([xx, yy, zz], [xy, yz, zx]) = (normal, shear);
+        let (mut longest, mut entry) = ([xx, xy, zx], xx);
+        for (column, own) in [([xy, yy, yz], yy), ([zx, yz, zz], zz)] {
+            let longer = entry.less(own);
+            entry = own.select(longer, entry);
+            longest = array(|i| column[i].select(longer, longest[i]));
+        }
+        // Of a deviator that is rounding alone nothing may be left.
+        let some = number(LEAST).less(entry);
+        let longest = [
+            longest[0].select(some, one),
+            longest[1].select(some, zero),
+            longest[2].select(some, zero),
+        ];
+        let inverse = one / dot(&longest, &longest).sqrt();
+        each(&longest, |entry| entry * inverse)
     }
 }
 
 /// Two unit vectors across a unit vector and each other.
 #[inline(always)]
-fn across<L: Lane>(unit: &[L; 3]) -> [[L; 3]; 2] {
-    let [x, y, z] = *unit;
-    let zero = x.constant(0.0);
-    let wide = y.abs().less(x.abs());
-    let longer = x.select(wide, y);
-    let length = longer.mul_add(longer, z * z).sqrt();
-    let (sine, cosine) = (z / length, longer / length);
-    let first = [
-        (-sine).select(wide, zero),
-        zero.select(wide, sine),
-        cosine.select(wide, -cosine),
-    ];
-    [first, cross(unit, &first)]
+fn across<L: Lane>(&[x, y, z]: &[L; 3]) -> [[L; 3]; 2] {
+    let (zero, one) = (z.constant(0.0), z.constant(1.0));
+    let sign = (-one).select(z.less(zero), one);
+    let a = -(one / (sign + z));
+    let b = x * y * a;
+    [
+        [(x * x * a).mul_add(sign, one), sign * b, -(sign * x)],
+        [b, (y * y).mul_add(a, sign), -y],
+    ]
+}
+
+/// `a b - c d`.
+#[inline(always)]
+fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
+    a.mul_add(b, -(c * d))
 }
 
 #[inline(always)]
 fn dot<L: Lane>(a: &[L; 3], b: &[L; 3]) -> L {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-#[inline(always)]
-fn cross<L: Lane>(a: &[L; 3], b: &[L; 3]) -> [L; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }

@@ -142,8 +142,8 @@ impl DamageCurve {
             Rate::Never => return number(0.0),
             Rate::Fixed(rate) => number(rate),
             Rate::Band { length, lost } => {
-                let inverse = number(length) / size - number(lost);
-                number(1.0) / inverse.max(number(STEEPEST))
+                let room = number(length) - number(lost) * size;
+                size / room.max(number(STEEPEST) * size)
             }
         };
         damage_of(strain, self.threshold, self.share, rate, most)
@@ -154,13 +154,18 @@ impl DamageCurve {
 #[inline(always)]
 pub(crate) fn damage_of<L: Lane>(strain: L, threshold: f64, share: f64, rate: L, most: f64) -> L {
     let number = |value: f64| strain.constant(value);
-    let zero = number(0.0);
+    let (zero, one) = (number(0.0), number(1.0));
     let first = number(threshold);
     let beyond = first.less(strain);
-    let divisor = strain.select(beyond, number(1.0));
-    let kept = number((1.0 - share) * threshold) / divisor;
+    if !strain.any(beyond) {
+        return zero;
+    }
     let softened = number(share) * decay(rate * (strain - first).max(zero));
-    let damage = number(1.0) - kept - softened;
+    let mut damage = one - softened;
+    let stays = (1.0 - share) * threshold;
+    if stays != 0.0 {
+        damage = damage - number(stays) / strain.select(beyond, one);
+    }
     damage.max(zero).min(number(most)).select(beyond, zero)
 }
 

@@ -6,7 +6,6 @@ use powerhouse_model::{
 };
 
 use crate::dual::Dual;
-use crate::elasto_plastic::equivalent;
 use crate::energy;
 use crate::exponential::decay;
 use crate::history::{self, PLASTIC_STRAINS, number};
@@ -322,7 +321,7 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
         for i in 0..6 {
             new_history[i] = old[i] + flow.plastic[i];
         }
-        new_history[EQUIVALENT] = old[EQUIVALENT] + equivalent(&flow.plastic);
+        new_history[EQUIVALENT] = old[EQUIVALENT] + flow.equivalent();
         new_history[SHORTENING] = shortening.select(yielded, old[SHORTENING]);
         new_history[LOST] = lost.max(old[LOST]).select(yielded, old[LOST]);
         new_history[YIELD_STATE] = flow.state;

@@ -2,6 +2,7 @@
 
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress, each};
 
+use crate::principal::is_extreme;
 use crate::{MaterialError, PrincipalAxes};
 
 /// A trial stress further out than this many times the returned one is not corrected but
@@ -252,6 +253,26 @@ impl<L: Lane> Flow<L> {
         }
     }
 
+    /// The increment of equivalent plastic strain, `sqrt(2/3 e : e)`; strains may be so large or small
+    /// that squares are not numbers.
+    #[inline(always)]
+    pub(crate) fn equivalent(&self) -> L {
+        let number = |value: f64| self.state.constant(value);
+        let found = norm(&self.plastic);
+        let looked = found.select(self.returned.outside, number(1.0));
+        let extreme = is_extreme(looked);
+        if !found.any(extreme) {
+            return found;
+        }
+        let mut largest = number(LEAST_STRAIN);
+        for strain in &self.plastic {
+            largest = largest.max(strain.abs());
+        }
+        let inverse = number(1.0) / largest;
+        let scaled = largest * norm(&each(&self.plastic, |x| x * inverse));
+        scaled.select(extreme, found)
+    }
+
     /// The change of stress against the initial stress after the flow (Pa), from the change that
     /// was elastic.
     #[inline(always)]
@@ -268,6 +289,19 @@ impl<L: Lane> Flow<L> {
         }
         change
     }
+}
+
+/// Below this size, of which the inverse is a number in single precision too, strains count as
+/// nothing.
+const LEAST_STRAIN: f64 = 1.0e-36;
+
+/// `sqrt(2/3 e : e)` of strains with engineering shears.
+#[inline(always)]
+fn norm<L: Lane>(&[xx, yy, zz, xy, yz, zx]: &[L; 6]) -> L {
+    let normal = xx.mul_add(xx, yy.mul_add(yy, zz * zz));
+    let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
+    let square = shear.mul_add(xx.constant(0.5), normal);
+    (square * xx.constant(2.0 / 3.0)).sqrt()
 }
 
 /// Plastic flow of one step, with its principal values.

@@ -143,11 +143,17 @@ impl YieldSurface for TwoSurface {
     #[inline(always)]
     fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L> {
         let tension = self.parameters.tension_strength;
-        let mut nearest = Nearest::new(trial, self.volumetric, tension);
+        let excess = self.excess(trial);
+        let mut nearest = Nearest::new(trial, excess, self.volumetric, tension);
         nearest.offer_shear(&self.strengths, Some(self.crossing), tension);
-        nearest.offer_shear(&self.friction, None, self.crossing);
-        nearest.offer_cut_off(&self.strengths);
-        nearest.offer_meeting(&self.strengths);
+        if nearest.is_open() {
+            nearest.offer_shear(&self.friction, None, self.crossing);
+        }
+        if nearest.is_open() {
+            nearest.offer_corner();
+            nearest.offer_cut_off(&self.strengths);
+            nearest.offer_meeting(&self.strengths);
+        }
         nearest.found()
     }
     fn uniaxial_tension(&self) -> f64 {

@@ -92,24 +92,38 @@ impl UniaxialCurve {
     #[inline(always)]
     pub(crate) fn rate<L: Lane>(&self, size: L) -> L {
         let number = |value: f64| size.constant(value);
-        let inverse = number(self.length) / size - number(self.lost);
-        number(1.0) / inverse.max(number(self.steepest.max(STEEPEST)))
+        let room = number(self.length) - number(self.lost) * size;
+        size / room.max(number(self.steepest.max(STEEPEST)) * size)
     }
 
-    /// The effective strength (Pa), at least a thousandth of the limit.
+    /// The inverse of the effective strength (1/Pa), which is at least a thousandth of the limit, and
+    /// its slope over the plastic strain.
     #[inline(always)]
-    pub(crate) fn strength<L: Lane>(&self, strain: L, rate: L) -> L {
+    pub(crate) fn inverse_strength<L: Lane>(&self, strain: L, rate: L) -> [L; 2] {
         let number = |value: f64| strain.constant(value);
-        let (a, r) = (self.bulge, self.damage);
+        let (zero, one) = (number(0.0), number(1.0));
+        let (a, kept) = (self.bulge, 1.0 - self.damage);
+        let limit = number(1.0 / self.limit);
+        // Curves that stay as they are cost nothing: `a` is zero in tension.
+        if a == 0.0 && kept == 0.0 {
+            return [limit, zero];
+        }
         let fallen = rate * strain;
-        let softened = decay(number(1.0 - r) * fallen);
-        // Values of the curve that are fixed cost nothing: `a` is zero in tension.
-        let shape = if a == 0.0 {
-            softened
-        } else {
-            softened * (number(1.0 + a) - number(a) * decay(fallen))
-        };
-        number(self.limit) * shape.max(number(LEAST_STRENGTH))
+        if a == 0.0 {
+            let most = number(-LEAST_STRENGTH.ln());
+            let exponent = number(kept) * fallen;
+            let falls = exponent.less(most);
+            let inverse = limit * decay(-exponent.min(most));
+            return [inverse, (number(kept) * rate * inverse).select(falls, zero)];
+        }
+        let (softened, hollow) = (decay(number(kept) * fallen), decay(fallen));
+        let shape = softened * (number(1.0 + a) - number(a) * hollow);
+        let least = number(LEAST_STRENGTH);
+        let falls = least.less(shape);
+        let turned = one / shape.max(least);
+        let swollen = number(a) * softened * hollow;
+        let slope = rate * turned * (number(kept) - swollen * turned);
+        [limit * turned, (limit * slope).select(falls, zero)]
     }
 
     /// The damage, at most `most`.

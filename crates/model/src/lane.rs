@@ -124,6 +124,17 @@ pub trait Lane:
     fn max(self, other: Self) -> Self {
         self.select(other.less(self), other)
     }
+    /// The nearest whole number, the even one of two; for sizes below `1 / (2 EPSILON)`.
+    #[inline(always)]
+    fn round(self) -> Self {
+        let shift = self.constant(1.5 / Self::Scalar::EPSILON);
+        (self + shift) - shift
+    }
+    /// `2^x` of whole numbers `x` of which that is a normal number; without a meaning for others.
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self::build(self.token(), |lane| 2.0_f64.powi(self.extract(lane) as i32))
+    }
 }
 
 /// `f` of each number of an array.
@@ -150,7 +161,7 @@ pub fn array<L: Lane, const N: usize>(f: impl Fn(usize) -> L) -> [L; N] {
 }
 
 macro_rules! scalar_lane {
-    ($float:ty) => {
+    ($float:ident) => {
         impl Lane for $float {
             type Scalar = $float;
             type Token = ();
@@ -204,9 +215,40 @@ macro_rules! scalar_lane {
             fn build(_token: (), mut value: impl FnMut(usize) -> f64) -> Self {
                 value(0) as $float
             }
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                // A shifted number has its whole part in the last bits.
+                let bits = (self + 1.5 / $float::EPSILON).to_bits();
+                let digits = $float::MANTISSA_DIGITS - 1;
+                let one = (1.0 as $float).to_bits();
+                $float::from_bits((bits << digits).wrapping_add(one))
+            }
         }
     };
 }
 
 scalar_lane!(f64);
 scalar_lane!(f32);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers are rounded to the nearest whole one, and powers of two are exact over the range of
+    /// normal numbers, in both precisions.
+    #[test]
+    fn whole_numbers_and_powers_of_two_are_exact() {
+        for exponent in -1022..=1023_i32 {
+            let (x, power) = (f64::from(exponent), 2.0_f64.powi(exponent));
+            assert_eq!(Lane::power_of_two(x), power, "{exponent}");
+            for part in [-0.49, 0.0, 0.49] {
+                assert_eq!(Lane::round(x + part), x, "{exponent} {part}");
+            }
+            if (-126..=127).contains(&exponent) {
+                assert_eq!(Lane::power_of_two(x as f32), power as f32, "{exponent}");
+                assert_eq!(Lane::round(x as f32 + 0.4), x as f32, "{exponent}");
+            }
+        }
+        assert_eq!([2.5, 3.5, -0.5].map(Lane::round), [2.0, 4.0, 0.0]);
+    }
+}

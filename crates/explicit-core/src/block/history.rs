@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use powerhouse_model::{HistoryField, HistoryVariable, Scalar};
 
+use super::memory::prefetch;
 use super::numbers::AlignedNumbers;
 use crate::lanes::{Arrangement, BatchLane, BatchScalar};
 
@@ -82,6 +83,23 @@ impl<S: BatchScalar> History<S> {
         Some(&store[batch * numbers..][..numbers])
     }
 
+    /// Asks for the numbers of a batch ahead of their use; and for the place of new ones, if the batch
+    /// `like` it was written.
+    #[inline(always)]
+    pub(super) fn ask_ahead(&self, batch: usize, like: usize) {
+        let Some(stand) = self.stands.get(batch) else {
+            return;
+        };
+        let numbers = self.numbers();
+        let side = usize::from(stand.side);
+        if !stand.blank {
+            prefetch(self.stores[side].as_slice(), batch * numbers, numbers);
+        }
+        if self.stands[like].changed {
+            prefetch(self.stores[1 - side].as_slice(), batch * numbers, numbers);
+        }
+    }
+
     /// Forgets what the last forces made of a batch.
     #[inline(always)]
     pub(super) fn retry(&mut self, batch: usize) {
@@ -106,8 +124,8 @@ impl<S: BatchScalar> History<S> {
         let (start, length) = (batch * self.numbers(), new.len() * L::WIDTH);
         let store = &mut self.stores[usize::from(1 - self.stands[batch].side)];
         let numbers = &mut store.as_mut_slice()[start + point * length..][..length];
-        for (h, value) in new.iter().enumerate() {
-            value.store(&mut numbers[h * L::WIDTH..]);
+        for (value, numbers) in new.iter().zip(numbers.chunks_exact_mut(L::WIDTH)) {
+            value.store(numbers);
         }
     }
     /// Opens the other store of a batch with a copy of the committed history of its first points; those
@@ -238,23 +256,28 @@ impl<S: BatchScalar> History<S> {
 }
 
 /// Whether any lane of any number differs, or is not a number.
+///
+/// Where a law changes anything it mostly changes its first variable, so that one is looked at alone.
 #[inline(always)]
 fn differ<L: BatchLane>(old: &[L], new: &[L]) -> bool {
     let Some(&first) = new.first() else {
         return false;
     };
     let zero = first.constant(0.0);
-    let mut sum = zero;
-    for (old, new) in old.iter().zip(new) {
-        sum = sum + (*new - *old).abs();
-    }
     // Below the least positive number there is only zero; NaN is not below it.
     let single = L::Scalar::from_f64(f64::from_bits(1)).to_f64() == 0.0;
-    let least = if single {
+    let least = first.constant(if single {
         f64::from(f32::from_bits(1))
     } else {
         f64::from_bits(1)
-    };
-    let differs = zero.select(sum.less(first.constant(least)), first.constant(1.0));
-    first.any(zero.less(differs))
+    });
+    let one = first.constant(1.0);
+    let mut sum = zero;
+    for (h, (old, new)) in old.iter().zip(new).enumerate() {
+        sum = sum + (*new - *old).abs();
+        if h == 0 && first.any(zero.less(zero.select(sum.less(least), one))) {
+            return true;
+        }
+    }
+    first.any(zero.less(zero.select(sum.less(least), one)))
 }

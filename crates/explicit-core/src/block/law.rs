@@ -17,6 +17,9 @@ use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 /// Numbers of the lanes of a batch at one point, `C` in each lane.
 pub(super) type PointNumbers<S, const C: usize> = [[S; MOST_LANES]; C];
 
+/// How many batches ahead of their use histories are asked for.
+const AHEAD: usize = 2;
+
 /// Histories of up to so many variables stay on the stack.
 const USUAL_VARIABLES: usize = 24;
 
@@ -178,9 +181,9 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             }
             for p in 0..points {
                 if let Some(numbers) = memory.get().committed(batch) {
-                    let start = p * old.len() * L::WIDTH;
-                    for h in 0..old.len() {
-                        old[h] = L::load(token, &numbers[start + h * L::WIDTH..]);
+                    let numbers = &numbers[p * old.len() * L::WIDTH..];
+                    for (old, numbers) in old.iter_mut().zip(numbers.chunks_exact(L::WIDTH)) {
+                        *old = L::load(token, numbers);
                     }
                     blank = false;
                 } else if !blank {
@@ -218,6 +221,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                     history.take(batch, p, old, new);
                 }
             }
+            memory.get().ask_ahead(batch + AHEAD, batch);
         }
         told
     }

@@ -161,118 +161,63 @@ where
     type Output = bool;
     #[inline(always)]
     fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
-        let modulus = L::splat(token, self.moduli.constrained());
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
-        let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
         let mut passed = Aligned(Passed::zeros());
         let mut kept = Aligned([[[L::splat(token, 0.0); 3]; N]; AT_ONCE]);
         let wants_energy = self.survey.is_some()
             || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
-        let nodes = self.batches.places.over(self.nodes);
+        let domain = self.domain.filter(|_| !wants_energy);
         let count = self.batches.count(L::WIDTH);
         let at_once = const { if P == 1 { AT_ONCE } else { 1 } };
-        let mut told = false;
+        // The batches that the law was asked for last, and whether it told energies.
+        let (mut first, mut end, mut told) = (0, 0, false);
         for index in 0..count {
-            let place = index % at_once;
-            if place == 0 {
-                let some = at_once.min(count - index);
-                let mut inside = self.domain.filter(|_| !wants_energy);
-                for ahead in 0..some {
-                    let batch =
-                        (self.batches).batch(index + ahead, L::WIDTH, self.kernel.geometry_len());
-                    let geometry = Geometry::<L>::new(token, batch.geometry);
-                    gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
-                    let modes = self.kernel.modes(&nodal);
-                    let strains = self.kernel.strains(geometry, &modes);
-                    // Number by number: as a whole they would go through memory twice.
-                    for a in 0..N {
-                        for i in 0..3 {
-                            kept.0[ahead][a][i] = modes[a][i];
-                        }
-                    }
-                    for p in 0..P {
-                        for i in 0..6 {
-                            strains[p].0[i].store(&mut passed.0.strains[ahead][p][i]);
-                        }
-                    }
-                    if let Some(domain) = inside {
-                        let stresses = &mut passed.0.stresses[ahead];
-                        if !self.answers_elastically(domain, index + ahead, &strains, stresses) {
-                            inside = None;
-                        }
-                    }
+            if index >= end {
+                let (modes, strains) = self.deformed::<L>(token, index);
+                if let Some(domain) = domain
+                    && let Some(stresses) = self.elastic_answer::<L>(domain, index, &strains)
+                {
+                    self.finish::<L>(index, modes, stresses, None, &mut rows.0, &mut watch);
+                    continue;
                 }
-                if inside.is_none() {
-                    told = self.ask::<L>(index, some, wants_energy, &mut passed.0);
+                (first, end) = (index, count.min(index + at_once));
+                keep(&modes, &mut kept.0[0], &strains, &mut passed.0.strains[0]);
+                for ahead in 1..end - first {
+                    let (modes, strains) = self.deformed::<L>(token, index + ahead);
+                    let passed = &mut passed.0.strains[ahead];
+                    keep(&modes, &mut kept.0[ahead], &strains, passed);
                 }
+                told = self.ask::<L>(first, end - first, wants_energy, &mut passed.0);
             }
-            let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
-            let geometry = Geometry::<L>::new(token, batch.geometry);
-            let modes = &mut kept.0[place];
-            let (mut stresses, energies) = passed.0.answer(token, place, told);
-            if let (Memory::Write(history), true) = (&mut self.history, batch.active.is_some()) {
-                for lane in 0..L::WIDTH {
-                    if !batch.has(batch.arrangement.element_in[lane]) {
-                        history.take_back(index, lane);
-                    }
-                }
-            }
-            let volumes = self.kernel.volumes(geometry);
-            let energy = wants_energy.then(|| {
-                let undamaged = || complementary_energy(self.moduli, &volumes, &stresses);
-                Energy::over(&volumes, energies.as_ref(), undamaged)
-            });
-            if let (Some(survey), Some(energy)) = (self.survey.as_deref_mut(), &energy) {
-                write_mean(&volumes, &stresses, &batch, survey);
-                each_lane(energy.sum.stored, &batch, |e, energy| {
-                    survey[e].elastic = energy;
-                });
-                if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, modes) {
-                    each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
-                }
-            }
-            if let Some(rates) = &mut self.rates {
-                let velocity = self.batches.places.over(rates.velocity);
-                let velocity = velocity.elements(batch.first, L::WIDTH);
-                gather::<A, L, N>(token, velocity, &mut nodal);
-                let modal_rates = self.kernel.modes(&nodal);
-                let strain_rates = self.kernel.strains(geometry, &modal_rates);
-                if let (Some(books), Some(energy)) = (&mut rates.books, energy) {
-                    let numbers = 6 * P * L::WIDTH;
-                    let before = &mut books.stresses[index * numbers..(index + 1) * numbers];
-                    let work = step_work(
-                        &geometry,
-                        books.step,
-                        &volumes,
-                        &stresses,
-                        &strain_rates,
-                        before,
-                    );
-                    books.sums.add(work, &energy, &batch);
-                }
-                let lambda = L::splat(token, rates.damping * self.moduli.lambda);
-                let shear = L::splat(token, rates.damping * self.moduli.shear);
-                for p in 0..P {
-                    stresses[p] = stresses[p] + Stress::elastic(lambda, shear, &strain_rates[p]);
-                }
-                let damping = L::splat(token, rates.damping);
-                for a in 0..N {
-                    for i in 0..3 {
-                        modes[a][i] = modal_rates[a][i].mul_add(damping, modes[a][i]);
-                    }
-                }
-            }
-            for p in 0..P {
-                watch.see(&stresses[p]);
-            }
-            let forces = self.kernel.forces(geometry, &stresses, modulus, modes);
-            let forces = self.kernel.nodal_forces(&forces);
-            if let Some(out) = self.out.as_deref_mut() {
-                scatter::<A, L, N>(&forces, &batch, &mut rows.0, out);
-            }
+            let place = index - first;
+            let (stresses, energies) = passed.0.answer(token, place, told);
+            let energies = wants_energy.then_some(energies);
+            let modes = kept.0[place];
+            self.finish::<L>(index, modes, stresses, energies, &mut rows.0, &mut watch);
         }
         watch.all_finite()
+    }
+}
+
+/// Puts modes and strains of a batch down until the law has answered; number by number: as a whole they
+/// would go through memory twice.
+#[inline(always)]
+fn keep<L: BatchLane, const N: usize, const P: usize>(
+    modes: &[[L; 3]; N],
+    kept: &mut [[L; 3]; N],
+    strains: &[Strain<L>; P],
+    passed: &mut [PointNumbers<L::Scalar, 6>; P],
+) {
+    for a in 0..N {
+        for i in 0..3 {
+            kept[a][i] = modes[a][i];
+        }
+    }
+    for p in 0..P {
+        for i in 0..6 {
+            strains[p].0[i].store(&mut passed[p][i]);
+        }
     }
 }
 
@@ -333,24 +278,41 @@ impl<S: BatchScalar, const P: usize> Passed<S, P> {
 
 impl<K, A, S, const N: usize, const P: usize> Material<'_, K, A, S, N, P>
 where
+    K: ElementKernel<N, P>,
     A: BatchScalar,
     S: BatchScalar,
 {
-    /// Whether a batch has no history yet and is surely elastic; then its stresses are written, and
-    /// the law need not be asked.
+    /// Modes and strains of a batch.
     #[inline(always)]
-    fn answers_elastically<L: BatchLane<Scalar = S>>(
+    fn deformed<L: BatchLane<Scalar = S>>(
+        &self,
+        token: L::Token,
+        index: usize,
+    ) -> ([[L; 3]; N], [Strain<L>; P]) {
+        let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
+        let geometry = Geometry::<L>::new(token, batch.geometry);
+        let nodes = self.batches.places.over(self.nodes);
+        let mut nodal = [[L::splat(token, 0.0); 3]; N];
+        gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
+        let modes = self.kernel.modes(&nodal);
+        let strains = self.kernel.strains(geometry, &modes);
+        (modes, strains)
+    }
+
+    /// The changes of stress of a batch that has no history yet and is surely elastic: the law need
+    /// not be asked.
+    #[inline(always)]
+    fn elastic_answer<L: BatchLane<Scalar = S>>(
         &mut self,
         domain: &ElasticDomain,
         batch: usize,
         strains: &[Strain<L>; P],
-        stresses: &mut [PointNumbers<S, 6>; P],
-    ) -> bool {
+    ) -> Option<[Stress<L>; P]> {
         if let Memory::Write(history) = &mut self.history {
             history.retry(batch);
         }
         if self.history.get().committed(batch).is_some() {
-            return false;
+            return None;
         }
         let zero = strains[0].0[0].constant(0.0);
         let (lambda, shear) = (
@@ -365,16 +327,93 @@ where
                 initially.0[i] = L::load(zero.token(), &initial[i * L::WIDTH..]);
             }
         }
+        let mut changes = [initially; P];
         for p in 0..P {
-            let change = Stress::elastic(lambda, shear, &strains[p]);
-            if !domain.contains(&(initially + change)) {
-                return false;
-            }
-            for i in 0..6 {
-                change.0[i].store(&mut stresses[p][i]);
+            changes[p] = Stress::elastic(lambda, shear, &strains[p]);
+            if !domain.contains(&(initially + changes[p])) {
+                return None;
             }
         }
-        true
+        Some(changes)
+    }
+
+    /// Forces and books of a batch with its changes of stress, and with energies if they are wanted
+    /// and told.
+    #[inline(always)]
+    fn finish<L: BatchLane<Scalar = S>>(
+        &mut self,
+        index: usize,
+        mut modes: [[L; 3]; N],
+        mut stresses: [Stress<L>; P],
+        energies: Option<Option<[LawEnergy<L>; P]>>,
+        rows: &mut [[[S; 4]; MOST_LANES]; N],
+        watch: &mut Watch<L>,
+    ) {
+        let token = stresses[0].0[0].token();
+        let modulus = L::splat(token, self.moduli.constrained());
+        let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
+        let geometry = Geometry::<L>::new(token, batch.geometry);
+        if let (Memory::Write(history), true) = (&mut self.history, batch.active.is_some()) {
+            for lane in 0..L::WIDTH {
+                if !batch.has(batch.arrangement.element_in[lane]) {
+                    history.take_back(index, lane);
+                }
+            }
+        }
+        let volumes = self.kernel.volumes(geometry);
+        let energy = energies.map(|energies| {
+            let undamaged = || complementary_energy(self.moduli, &volumes, &stresses);
+            Energy::over(&volumes, energies.as_ref(), undamaged)
+        });
+        if let (Some(survey), Some(energy)) = (self.survey.as_deref_mut(), &energy) {
+            write_mean(&volumes, &stresses, &batch, survey);
+            each_lane(energy.sum.stored, &batch, |e, energy| {
+                survey[e].elastic = energy;
+            });
+            if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, &modes) {
+                each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
+            }
+        }
+        if let Some(rates) = &mut self.rates {
+            let velocity = self.batches.places.over(rates.velocity);
+            let velocity = velocity.elements(batch.first, L::WIDTH);
+            let mut nodal = [[L::splat(token, 0.0); 3]; N];
+            gather::<A, L, N>(token, velocity, &mut nodal);
+            let modal_rates = self.kernel.modes(&nodal);
+            let strain_rates = self.kernel.strains(geometry, &modal_rates);
+            if let (Some(books), Some(energy)) = (&mut rates.books, energy) {
+                let numbers = 6 * P * L::WIDTH;
+                let before = &mut books.stresses[index * numbers..(index + 1) * numbers];
+                let work = step_work(
+                    &geometry,
+                    books.step,
+                    &volumes,
+                    &stresses,
+                    &strain_rates,
+                    before,
+                );
+                books.sums.add(work, &energy, &batch);
+            }
+            let lambda = L::splat(token, rates.damping * self.moduli.lambda);
+            let shear = L::splat(token, rates.damping * self.moduli.shear);
+            for p in 0..P {
+                stresses[p] = stresses[p] + Stress::elastic(lambda, shear, &strain_rates[p]);
+            }
+            let damping = L::splat(token, rates.damping);
+            for a in 0..N {
+                for i in 0..3 {
+                    modes[a][i] = modal_rates[a][i].mul_add(damping, modes[a][i]);
+                }
+            }
+        }
+        for p in 0..P {
+            watch.see(&stresses[p]);
+        }
+        let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+        let forces = self.kernel.nodal_forces(&forces);
+        if let Some(out) = self.out.as_deref_mut() {
+            scatter::<A, L, N>(&forces, &batch, rows, out);
+        }
     }
 
     /// Asks the law for successive batches, whose strains are there already; writes the new

@@ -4,7 +4,7 @@ use powerhouse_model::{Lane, Scalar, each};
 
 use super::{LeeFenves, ROOT_3};
 use crate::plastic_damage::share_of_tension;
-use crate::root::{Function, zero_between};
+use crate::root::{Sloping, zero_by_slope};
 use crate::surface::far_lanes;
 
 /// A trial of the effective stress.
@@ -12,12 +12,31 @@ pub(super) struct Trial<L> {
     pub(super) mean: L,
     /// `sqrt(J2)` (Pa).
     pub(super) shear: L,
+    /// Its inverse, or one if it is zero.
+    pub(super) inverse_shear: L,
     /// Principal deviators in falling order (Pa).
     pub(super) deviators: [L; 3],
     /// `e_t` and `e_c` before the step.
     pub(super) old: [L; 2],
     /// `b_t` and `b_c`.
     pub(super) rates: [L; 2],
+}
+
+impl<L: Lane> Trial<L> {
+    /// The trial of mean stress, `sqrt(J2)` and principal stresses (Pa) in falling order, after `e_t`
+    /// and `e_c`, with `b_t` and `b_c`.
+    #[inline(always)]
+    pub(super) fn new([mean, shear]: [L; 2], values: &[L; 3], old: [L; 2], rates: [L; 2]) -> Self {
+        let (zero, one) = (mean.constant(0.0), mean.constant(1.0));
+        Self {
+            mean,
+            shear,
+            inverse_shear: one / shear.select(zero.less(shear), one),
+            deviators: each(values, |s| s - mean),
+            old,
+            rates,
+        }
+    }
 }
 
 /// The state after an amount of flow.
@@ -32,6 +51,9 @@ pub(super) struct Flowed<L> {
     pub(super) released: L,
     /// The share of tension `r`.
     pub(super) tension: L,
+    /// `<dp1>` and `<-dp3>`.
+    opened: L,
+    crushed: L,
 }
 
 impl<L: Lane> Flowed<L> {
@@ -44,18 +66,15 @@ impl<L: Lane> Flowed<L> {
 }
 
 /// By how much a trial lies outside after an amount of flow.
-pub(super) struct Outside<'a, L> {
-    pub(super) law: &'a LeeFenves,
-    pub(super) trial: &'a Trial<L>,
+struct Outside<'a, L> {
+    law: &'a LeeFenves,
+    trial: &'a Trial<L>,
 }
 
-impl<L: Lane> Function<L> for Outside<'_, L> {
+impl<L: Lane> Sloping<L> for Outside<'_, L> {
     #[inline(always)]
-    fn at(&self, flow: L) -> L {
-        let flowed = self.law.after(self.trial, flow);
-        let strengths = self.law.strengths(flowed.strains, self.trial.rates);
-        self.law
-            .excess(flowed.invariants, flowed.stress[0], strengths)
+    fn at(&self, flow: L) -> [L; 2] {
+        self.law.outside_and_slope(self.trial, flow)
     }
 }
 
@@ -66,16 +85,14 @@ impl LeeFenves {
     pub(super) fn after<L: Lane>(&self, trial: &Trial<L>, flow: L) -> Flowed<L> {
         let number = |value: f64| flow.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
-        let divisor = trial.shear.select(zero.less(trial.shear), one);
-        let released = (flow / divisor).min(one);
+        let released = (flow * trial.inverse_shear).min(one);
         let lowered = number(self.swelling) * flow;
         let mean = trial.mean - lowered;
         let left = one - released;
         let stress = each(&trial.deviators, |s| s.mul_add(left, mean));
         let tension = share_of_tension(&stress);
-        let medium = &self.parameters.medium;
-        let volume = lowered * number(1.0 / (3.0 * medium.bulk()));
-        let shape = released * number(0.5 / self.shear);
+        let [volume, shape] = self.compliances(flow);
+        let (volume, shape) = (lowered * volume, released * shape);
         let opened = shape.mul_add(trial.deviators[0], volume).max(zero);
         let crushed = (-shape.mul_add(trial.deviators[2], volume)).max(zero);
         Flowed {
@@ -87,73 +104,119 @@ impl LeeFenves {
             invariants: [mean, trial.shear * left],
             released,
             tension,
+            opened,
+            crushed,
         }
+    }
+
+    /// Strain along an axis for a unit of lost mean stress and of lost deviator (1/Pa).
+    #[inline(always)]
+    fn compliances<L: Lane>(&self, flow: L) -> [L; 2] {
+        let bulk = self.parameters.medium.bulk();
+        [
+            flow.constant(1.0 / (3.0 * bulk)),
+            flow.constant(0.5 / self.shear),
+        ]
+    }
+
+    /// By how much a trial lies outside after an amount of flow.
+    #[inline(always)]
+    pub(super) fn outside<L: Lane>(&self, trial: &Trial<L>, flow: L) -> L {
+        let [excess, _] = self.outside_and_slope(trial, flow);
+        excess
+    }
+
+    /// The same, and its slope over the flow.
+    #[inline(always)]
+    fn outside_and_slope<L: Lane>(&self, trial: &Trial<L>, flow: L) -> [L; 2] {
+        let flowed = self.after(trial, flow);
+        let strengths = self.strengths(flowed.strains, trial.rates);
+        let excess = self.excess(flowed.invariants, flowed.stress[0], strengths.inverse);
+
+        let number = |value: f64| flow.constant(value);
+        let (zero, one) = (number(0.0), number(1.0));
+        // Beyond the apex there is no deviator to lose.
+        let sheared = flow.less(trial.shear);
+        let lost = trial.inverse_shear.select(sheared, zero);
+        let swelling = number(self.swelling);
+        let falls = each(&trial.deviators, |s| s.mul_add(lost, swelling));
+
+        // Of the share of tension, by the falls of the tensile stresses and of all sizes.
+        let (mut pulled_fall, mut size) = (zero, zero);
+        for (stress, fall) in flowed.stress.iter().zip(&falls) {
+            pulled_fall = pulled_fall + fall.select(zero.less(*stress), zero);
+            size = size + stress.abs();
+        }
+        let size_fall = pulled_fall + pulled_fall - number(3.0 * self.swelling);
+        let turning =
+            (flowed.tension * size_fall - pulled_fall) / size.select(zero.less(size), one);
+
+        let [volume, shape] = self.compliances(flow);
+        let (volume, shape) = (swelling * volume, lost * shape);
+        let opens = shape.mul_add(trial.deviators[0], volume);
+        let opens = opens.select(zero.less(flowed.opened), zero);
+        let crushes = -shape.mul_add(trial.deviators[2], volume);
+        let crushes = crushes.select(zero.less(flowed.crushed), zero);
+        let opening = turning.mul_add(flowed.opened, flowed.tension * opens);
+        let crushing = (one - flowed.tension) * crushes - turning * flowed.crushed;
+
+        let [tensile, compressive] = strengths.inverse;
+        let tensile_rise = strengths.crushing[0].mul_add(crushing, strengths.opening * opening);
+        let compressive_rise = strengths.crushing[1] * crushing;
+        let greatest = flowed.stress[0];
+        let is_pulled = zero.less(greatest);
+        let shear_fall = one.select(sheared, zero);
+        let invariants = number(3.0 * self.biaxial).mul_add(swelling, number(ROOT_3) * shear_fall);
+        let by_greatest = number(-1.0 - self.biaxial).select(is_pulled, number(self.confined));
+        let over_fall = by_greatest.mul_add(falls[0], invariants);
+        let over = self.over_strength(flowed.invariants, greatest);
+        let pressed = over * compressive_rise - over_fall * compressive;
+        let pulled = (greatest * tensile_rise - falls[0] * tensile).select(is_pulled, zero);
+        [excess, number(1.0 - self.biaxial).mul_add(pulled, pressed)]
     }
 
     /// The factor that takes a stress back to the surface, beside which it lies by the rounding of
     /// a trial from far; at most one.
     #[inline(always)]
     pub(super) fn shrinking<L: Lane>(&self, trial: &Trial<L>, flowed: &Flowed<L>) -> L {
-        let strengths = self.strengths(flowed.strains, trial.rates);
+        let strengths = self.strengths(flowed.strains, trial.rates).inverse;
         let excess = self.excess(flowed.invariants, flowed.stress[0], strengths);
         // Without its last term the yield function grows with the stress.
         let at_yield = excess.constant(1.0 - self.biaxial);
         at_yield / (at_yield + excess.max(excess.constant(0.0)))
     }
 
-    /// The amount of flow that brings a trial, outside by `excess` with the `strengths` before the
-    /// step, back to the surface (Pa).
+    /// The amount of flow that brings a trial, outside by `excess` with the inverse `strengths` before
+    /// the step, back to the surface (Pa).
     #[inline(always)]
     pub(super) fn flow<L: Lane>(&self, trial: &Trial<L>, excess: L, strengths: [L; 2]) -> L {
         let number = |value: f64| excess.constant(value);
         let zero = number(0.0);
-        let outside = Outside { law: self, trial };
         // Sound at last: no deviator, and no tension.
         let end = trial.shear.max(trial.mean * number(1.0 / self.swelling));
 
         // The first guess takes strengths and signs of stresses for fixed.
         let [tensile, compressive] = strengths;
-        let divisor = trial.shear.select(zero.less(trial.shear), number(1.0));
-        let turned = trial.deviators[0] / divisor;
+        let turned = trial.deviators[0] * trial.inverse_shear;
         let greatest = turned + number(self.swelling);
         let is_pulled = zero.less(trial.deviators[0] + trial.mean);
         let pulled =
-            number(1.0 - self.biaxial) / tensile - number(1.0 + self.biaxial) / compressive;
-        let pressed = number(self.confined) / compressive;
-        let common = number(3.0 * self.biaxial * self.swelling + ROOT_3) / compressive;
+            number(1.0 - self.biaxial) * tensile - number(1.0 + self.biaxial) * compressive;
+        let pressed = number(self.confined) * compressive;
+        let common = number(3.0 * self.biaxial * self.swelling + ROOT_3) * compressive;
         let slope = greatest.mul_add(pulled.select(is_pulled, pressed), common);
         let near = (excess / slope).min(end);
-        let at_near = outside.at(near);
-        // Where it falls short, beyond the secant by a tenth.
-        let secant = near * excess / (excess - at_near).max(excess * number(0.05));
-        let far = (number(1.1) * secant).min(end).max(near);
-        let is_short = zero.less(at_near);
-        let far = far.select(is_short, near);
-        let at_far = if zero.any(is_short) {
-            outside.at(far).select(is_short, at_near)
-        } else {
-            at_near
-        };
-        // And where that falls short too, all the way.
-        let is_shorter = zero.less(at_far);
-        let [first, at_first] = [
-            near.select(is_short, zero),
-            at_near.select(is_short, excess),
-        ];
-        let [first, at_first] = [
-            far.select(is_shorter, first),
-            at_far.select(is_shorter, at_first),
-        ];
-        let last = end.select(is_shorter, far);
-        let at_last = if zero.any(is_shorter) {
-            outside.at(end).select(is_shorter, at_far)
-        } else {
-            at_far
-        };
         let size = trial.mean.abs() + trial.shear;
         let tension = (trial.mean + trial.deviators[0]).max(zero);
-        let terms = number(4.0) * size / compressive + tension / tensile + number(1.0);
-        let tolerance = number(2.0 * L::Scalar::EPSILON) * terms;
-        zero_between([first, at_first], [last, at_last], tolerance, &outside)
+        let terms = number(4.0) * size * compressive + tension * tensile + number(1.0);
+        // One more evaluation would cost a quarter of the return and win nothing that counts.
+        let roundings = if L::Scalar::EPSILON > 1.0e-10 {
+            4.0
+        } else {
+            16.0
+        };
+        let tolerance = number(roundings * L::Scalar::EPSILON) * terms;
+        let outside = Outside { law: self, trial };
+        zero_by_slope(near, [zero, excess], end, tolerance, &outside)
     }
 }

@@ -2,11 +2,10 @@
 
 use powerhouse_model::{Lane, LawInput, each};
 
-use super::flow::{Outside, Trial};
+use super::flow::Trial;
 use super::{COMPRESSION, DAMAGE_COMPRESSION, DAMAGE_TENSION, LeeFenves, TENSION};
 use crate::dual::Dual;
 use crate::plastic_damage::{share_of_tension, stiffness_left};
-use crate::root::Function;
 use crate::tangent::implicit;
 
 impl LeeFenves {
@@ -28,27 +27,15 @@ impl LeeFenves {
         let shares = [p.stiffness_recovery, p.residual_stiffness];
         let mut damage = [DAMAGE_TENSION, DAMAGE_COMPRESSION].map(|v| Dual::fixed(old[v]));
         let mut stress = *principal;
-        let strengths = self.strengths(before, rates);
+        let strengths = self.strengths(before, rates).inverse;
         let invariants = [known.mean, known.shear];
         let excess = self.excess(invariants, principal[0].value, strengths);
         if excess > 0.0 {
             let fixed = known.fixed();
             let flow = implicit(
                 self.flow(&known, excess, strengths),
-                |flow| {
-                    Outside {
-                        law: self,
-                        trial: &fixed,
-                    }
-                    .at(flow)
-                },
-                |flow| {
-                    Outside {
-                        law: self,
-                        trial: &trial,
-                    }
-                    .at(flow)
-                },
+                |flow| self.outside(&fixed, flow),
+                |flow| self.outside(&trial, flow),
             );
             let flowed = self.after(&trial, flow);
             stress = flowed.stress;
@@ -69,16 +56,9 @@ impl<L: Lane> Trial<L> {
     fn of_principal(values: &[L; 3], old: [L; 2], rates: [L; 2]) -> Self {
         let number = |value: f64| values[0].constant(value);
         let mean = (values[0] + values[1] + values[2]) * number(1.0 / 3.0);
-        let deviators = each(values, |s| s - mean);
-        let [x, y, z] = deviators;
+        let [x, y, z] = each(values, |s| s - mean);
         let shear = ((x * x + y * y + z * z) * number(0.5)).sqrt();
-        Self {
-            mean,
-            shear,
-            deviators,
-            old,
-            rates,
-        }
+        Self::new([mean, shear], values, old, rates)
     }
 }
 
@@ -88,6 +68,7 @@ impl Trial<f64> {
         Trial {
             mean: Dual::fixed(self.mean),
             shear: Dual::fixed(self.shear),
+            inverse_shear: Dual::fixed(self.inverse_shear),
             deviators: self.deviators.map(Dual::fixed),
             old: self.old.map(Dual::fixed),
             rates: self.rates.map(Dual::fixed),

@@ -5,7 +5,7 @@ mod linearised;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Stress, array, each,
+    ModelError, ParameterError, Stress, array,
 };
 
 use crate::dual::Dual;
@@ -211,37 +211,61 @@ impl LeeFenves {
         let greatest = PrincipalAxes::of(effective).values[0];
         let strains = [history[TENSION], history[COMPRESSION]];
         let rates = [self.tension.rate(size), self.compression.rate(size)];
-        let strengths = self.strengths(strains, rates);
+        let strengths = self.strengths(strains, rates).inverse;
         self.excess([mean, shear], greatest, strengths) / (1.0 - self.biaxial)
     }
 
-    /// Effective strengths `t` and `c` (Pa).
+    /// The inverses of the effective strengths `t` and `c` (1/Pa) and their slopes over `e_t` and
+    /// `e_c`, the first over both.
     #[inline(always)]
-    fn strengths<L: Lane>(&self, strains: [L; 2], rates: [L; 2]) -> [L; 2] {
-        let compressive = self.compression.strength(strains[1], rates[1]);
-        let share = self.tension.limit() / self.compression.limit();
-        let kept = compressive * compressive.constant(share);
-        let tensile = self.tension.strength(strains[0], rates[0]);
-        [tensile.min(kept), compressive]
+    fn strengths<L: Lane>(&self, strains: [L; 2], rates: [L; 2]) -> Strengths<L> {
+        let [compressive, crushing] = self.compression.inverse_strength(strains[1], rates[1]);
+        let [own, opening] = self.tension.inverse_strength(strains[0], rates[0]);
+        let share = compressive.constant(self.compression.limit() / self.tension.limit());
+        let kept = compressive * share;
+        let is_kept = own.less(kept);
+        let zero = own.constant(0.0);
+        Strengths {
+            inverse: [own.max(kept), compressive],
+            opening: zero.select(is_kept, opening),
+            crushing: [(crushing * share).select(is_kept, zero), crushing],
+        }
     }
 
-    /// `(3 A p + sqrt(3 J2) - (1 + A) <s1> - g <-s1>) / c + (1 - A) (<s1> / t - 1)`.
+    /// `(3 A p + sqrt(3 J2) - (1 + A) <s1> - g <-s1>) / c + (1 - A) (<s1> / t - 1)`, of the inverses
+    /// of `t` and `c`.
     #[inline(always)]
     fn excess<L: Lane>(
         &self,
-        [mean, shear]: [L; 2],
+        invariants: [L; 2],
         greatest: L,
         [tensile, compressive]: [L; 2],
     ) -> L {
+        let number = |value: f64| greatest.constant(value);
+        let pulled = greatest.max(number(0.0)) * tensile - number(1.0);
+        let pressed = self.over_strength(invariants, greatest) * compressive;
+        number(1.0 - self.biaxial).mul_add(pulled, pressed)
+    }
+
+    /// `3 A p + sqrt(3 J2) - (1 + A) <s1> - g <-s1>`.
+    #[inline(always)]
+    fn over_strength<L: Lane>(&self, [mean, shear]: [L; 2], greatest: L) -> L {
         let number = |value: f64| mean.constant(value);
         let zero = number(0.0);
-        let pulled = greatest.max(zero);
-        let pressed = greatest.min(zero);
-        let sum = number(3.0 * self.biaxial) * mean + number(ROOT_3) * shear
-            - number(1.0 + self.biaxial) * pulled
-            + number(self.confined) * pressed;
-        sum / compressive + number(1.0 - self.biaxial) * (pulled / tensile - number(1.0))
+        let invariants = number(3.0 * self.biaxial).mul_add(mean, number(ROOT_3) * shear);
+        let pressed = number(self.confined).mul_add(greatest.min(zero), invariants);
+        number(-1.0 - self.biaxial).mul_add(greatest.max(zero), pressed)
     }
+}
+
+/// Effective strengths `t` and `c`.
+struct Strengths<L> {
+    /// `1 / t` and `1 / c` (1/Pa).
+    inverse: [L; 2],
+    /// The slope of the first over `e_t`.
+    opening: L,
+    /// The slopes of both over `e_c`.
+    crushing: [L; 2],
 }
 
 impl ElasticInSeries for LeeFenves {
@@ -280,8 +304,8 @@ impl ConstitutiveLaw for LeeFenves {
         let elastic = difference(&input.strain.0, old);
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let stress = input.initial + change;
-        history::keep::<L, { HISTORY.len() }>(old, new_history);
-        new_history[YIELD_STATE] = zero;
+        let mut now = history::taken::<L, { HISTORY.len() }>(old);
+        now[YIELD_STATE] = zero;
 
         let (mean, shear) = stress.mean_and_shear();
         // Zero, or NaN where squares are beyond the range of numbers: no yield function is known.
@@ -296,12 +320,12 @@ impl ConstitutiveLaw for LeeFenves {
         ];
         // Lanes without flow keep their limits to the last bit while others soften.
         let mut strengths = [
-            number(self.tension.limit()),
-            number(self.compression.limit()),
+            number(1.0 / self.tension.limit()),
+            number(1.0 / self.compression.limit()),
         ];
         let softened = zero.less(strains[0] + strains[1]);
         if first.any(softened) {
-            let [tensile, compressive] = self.strengths(strains, rates);
+            let [tensile, compressive] = self.strengths(strains, rates).inverse;
             strengths = [
                 tensile.select(softened, strengths[0]),
                 compressive.select(softened, strengths[1]),
@@ -318,13 +342,7 @@ impl ConstitutiveLaw for LeeFenves {
             let excess = self.excess([mean, shear], values[0], strengths);
             let excess = excess.select(may_yield, zero);
             let yielded = zero.less(excess);
-            let trial = Trial {
-                mean,
-                shear,
-                deviators: each(&values, |s| s - mean),
-                old: strains,
-                rates,
-            };
+            let trial = Trial::new([mean, shear], &values, strains, rates);
             let flow = self.flow(&trial, excess.max(zero), strengths);
             let flow = flow.select(yielded, zero);
             let flowed = self.after(&trial, flow);
@@ -345,7 +363,7 @@ impl ConstitutiveLaw for LeeFenves {
                 (DAMAGE_COMPRESSION, broken.max(old[DAMAGE_COMPRESSION])),
                 (YIELD_STATE, state),
             ] {
-                new_history[variable] = value.select(yielded, new_history[variable]);
+                now[variable] = value.select(yielded, now[variable]);
             }
             // Deviator and mean fall as the flow says: no difference of large stresses.
             let lowered = number(self.swelling) * flow;
@@ -364,7 +382,7 @@ impl ConstitutiveLaw for LeeFenves {
                     (taken, (compliance + compliance) * taken)
                 };
                 change.0[i] = (change.0[i] - loss).select(yielded, change.0[i]);
-                new_history[i] = (old[i] + plastic).select(yielded, old[i]);
+                now[i] = (old[i] + plastic).select(yielded, old[i]);
             }
             if let Some(is_far) = flowed.far_from(&trial) {
                 let factor = self.shrinking(&trial, &flowed);
@@ -383,13 +401,10 @@ impl ConstitutiveLaw for LeeFenves {
         } else if heals {
             tension = share_of_tension(&PrincipalAxes::of(&stress).values);
         }
-        weaken(
-            &change,
-            &input.initial,
-            new_history,
-            tension,
-            [p.stiffness_recovery, p.residual_stiffness],
-        )
+        let shares = [p.stiffness_recovery, p.residual_stiffness];
+        let nominal = weaken(&change, &input.initial, &mut now, tension, shares);
+        history::put(&now, new_history);
+        nominal
     }
     /// The yield function has one slope along the greatest stress where that is tensile and another
     /// where it is not; the domain lies within both, and the greatest stress below its bound.
