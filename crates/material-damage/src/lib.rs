@@ -49,11 +49,12 @@
 //! *What no closed form solves is solved for one unknown within a bracket* ([`LeeFenves`],
 //! [`HoekBrown`], [`SofteningPlasticity`]): the deviator, or the flow on a face, keeps its direction, so
 //! all else is a function of the amount of flow. There is no starting point from which it diverges.
+//! Where the slope is known ([`LeeFenves`]) two evaluations suffice for most steps, without it five.
 //! *Principal axes come from the value that stands apart*, a root of a cubic that is never double, and
-//! one rotation across it: sweeps of rotations took three quarters of a yielding step.
-//! *One rule picks among faces, edges and corners*: all candidates are computed, the one that
-//! violates the conditions least is taken. There is no order of cases to get wrong, and packs of
-//! points need no branches.
+//! one half angle across it: sweeps of rotations took three quarters of a yielding step.
+//! *One rule picks among faces, edges and corners*: of the candidates the one that violates the
+//! conditions least is taken. There is no order of cases to get wrong. What violates none is the
+//! solution, so that rarer candidates are computed only while some point of a pack has none.
 
 mod consistency;
 mod driver;

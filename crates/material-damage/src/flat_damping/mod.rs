@@ -85,7 +85,11 @@ impl ReferenceFrequency {
 /// *Each mechanism is advanced exactly* for a strain that is linear within the step: passive for
 /// every step, and it takes six numbers, because what is known at the end of a step is folded
 /// into one. *That one is scaled to be the elastic strain itself at rest*, whatever the step: a static
-/// stage needs to know nothing of the steps that follow.
+/// stage needs to know nothing of the steps that follow. *Every point has all mechanisms*: with one in
+/// each element, of a weight larger by their number (Day & Bradley 2001), long waves are damped and
+/// travel alike (three at 5 %: 4.8 to 5.2 %, speeds within 0.2 %) for a third of the memory, but the
+/// stresses of neighbours then differ, by 14 % of their mean as standard deviation around 2 Hz, and it is
+/// against these that strength is held.
 ///
 /// ```
 /// use powerhouse_material_damage::*;
