@@ -6,7 +6,7 @@ use std::time::Duration;
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
 use powerhouse::{Error, Remark, Results, Simulation, StageAtRest, StageOverview};
-use powerhouse_study::{CheckReport, FreeFieldReport, PointError, Warning};
+use powerhouse_study::{CheckReport, FreeFieldReport, PointError, StaticCost, Warning};
 
 pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> Result<(), Error> {
     let mesh = simulation.mesh().clone();
@@ -130,6 +130,9 @@ pub(crate) fn check(report: &CheckReport) {
         cost.steps,
         duration(cost.wall_time)
     );
+    if let Some(stages) = &cost.stages {
+        static_cost(stages);
+    }
     if let Some(time) = cost.self_check {
         println!("about {} before it to check the free field", duration(time));
     }
@@ -138,6 +141,12 @@ pub(crate) fn check(report: &CheckReport) {
         bytes(cost.memory),
         bytes(cost.output)
     );
+    if !report.savings.is_empty() {
+        println!("\nwhat would save most");
+    }
+    for saving in &report.savings {
+        println!("  {saving}");
+    }
     match report.warnings.len() {
         0 => println!("\nno warnings"),
         count => println!("\n{count} warning(s)"),
@@ -145,6 +154,23 @@ pub(crate) fn check(report: &CheckReport) {
     for warning in &report.warnings {
         println!("  {warning}");
     }
+}
+
+/// What stages will cost.
+fn static_cost(stages: &StaticCost) {
+    let (time, taken) = (duration(stages.wall_time), stages.timed);
+    if stages.uncertainty > 1.0 {
+        println!(
+            "about {time} before it for the stages, within a factor of {} ({} corrections expected, of which {taken} were timed)",
+            stages.uncertainty, stages.corrections
+        );
+    } else {
+        println!("{time} before it for the stages, which took {taken} corrections");
+    }
+    for stage in &stages.unknown {
+        println!("  without '{stage}', whose relaxation takes an unknown number of steps");
+    }
+    println!("about {} of memory meanwhile", bytes(stages.memory));
 }
 
 /// The stages before a run.

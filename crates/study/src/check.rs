@@ -11,6 +11,8 @@ use crate::cost::{self, Cost};
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
+use crate::saving::{Saving, Survey};
+use crate::static_cost::{self, Plans};
 
 /// Above this ratio of longest to shortest edge waves travel at different speeds along and across.
 const LARGEST_ASPECT: f64 = 10.0;
@@ -162,13 +164,15 @@ pub struct CheckReport {
     pub remarks: Vec<Remark>,
     /// Doubts.
     pub warnings: Vec<Warning>,
+    /// The three changes that would save most, the best first.
+    pub savings: Vec<Saving>,
 }
 
-/// Looks at a scene: mesh, frequencies, stable step, and what a run will cost. Some steps are
-/// computed to see how long they take.
+/// Looks at a scene: mesh, frequencies, stable step, and what its stages and its run will cost. Some steps,
+/// and the first corrections of the stages, are computed to see how long they take.
 ///
 /// # Errors
-/// What would keep the scene from running.
+/// What would keep the scene from running; a stage that does not come to rest, as far as was seen.
 pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let mesh = scene.mesh().clone();
     let quality = mesh.check().map_err(Error::from)?;
@@ -176,7 +180,8 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let joints = JointOverview::all(&scene);
     let stages = scene.stage_overviews()?;
     let mut warnings = warnings_of(&scene, &quality, &resolution)?;
-    let account = cost::Account::of(&scene)?;
+    let (account, plans) = (cost::Account::of(&scene)?, Plans::of(&scene)?);
+    let survey = Survey::of(&scene, &resolution)?;
     let free_field = match scene.self_check() {
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
@@ -192,14 +197,17 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         Some(check) => Some(check.wall_time(step)?),
         None => None,
     };
+    let of_stages = static_cost::of(&simulation, &plans, account.memory_of_stages())?;
     let cost = Cost {
         steps,
         step,
         wall_time: cost::time_of_step(&mut simulation)?.mul_f64(steps as f64),
+        stages: of_stages,
         self_check,
         memory: account.memory(steps),
         output: account.output(steps),
     };
+    let savings = survey.best(&stable, &resolution, (&cost, &mut simulation));
     Ok(CheckReport {
         title: simulation.title().to_owned(),
         nodes: mesh.node_count(),
@@ -212,6 +220,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         cost,
         remarks,
         warnings,
+        savings,
     })
 }
 

@@ -8,7 +8,7 @@ use powerhouse::engine::observe::Motion;
 use powerhouse::model::{HistoryKind, Mesh};
 use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
 
-use crate::StudyError;
+use crate::{StaticCost, StudyError};
 
 /// What a run will cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Cost {
     /// Wall time of the steps and of what is recorded, from some steps that were timed; the writing
     /// of files aside.
     pub wall_time: Duration,
+    /// What the stages before the run cost, if there are any.
+    pub stages: Option<StaticCost>,
     /// Wall time of the free-field check before the run, if the scene asks for one.
     pub self_check: Option<Duration>,
     /// Memory (bytes), within a third; tables of waves past the critical angle aside.
@@ -46,6 +48,32 @@ pub(crate) fn time_of_step(simulation: &mut Simulation) -> Result<Duration, Stud
     }
 }
 
+/// Turns in which the steps of two simulations are timed, and the least that one of them lasts.
+const TURNS: usize = 3;
+const LEAST_TURN: Duration = Duration::from_millis(200);
+
+/// The time of a step of one simulation over that of another: both take their turns, and the least of
+/// each counts, so that what else the machine does falls on both alike or on neither.
+pub(crate) fn ratio_of_steps(
+    one: &mut Simulation,
+    other: &mut Simulation,
+) -> Result<f64, StudyError> {
+    one.time_steps(WARM_UP)?;
+    other.time_steps(WARM_UP)?;
+    let mut count = WARM_UP;
+    while other.time_steps(count)? < LEAST_TURN {
+        count *= 2;
+    }
+    let mut least = [f64::INFINITY; 2];
+    for _ in 0..TURNS {
+        let times = [one.time_steps(count)?, other.time_steps(count)?];
+        for (least, time) in least.iter_mut().zip(times) {
+            *least = least.min(time.as_secs_f64());
+        }
+    }
+    Ok(least[0] / least[1])
+}
+
 /// Bytes per node: position, displacement, velocity and forces (32 each), mass, numbers.
 const NODE_BYTES: f64 = 260.0;
 /// Bytes per element: geometry, connectivity, masses, tags and sets.
@@ -64,6 +92,12 @@ const REMEMBERED_BYTES: [(Precision, f64); 3] = [
 /// they are written and drawn.
 const AMOUNT_BYTES: f64 = 32.0;
 const FLAGS_BYTES: f64 = 16.0;
+/// Bytes per node, element and remembered number of a model that comes to rest: beside nodes and elements
+/// as they are stepped, vectors of the solver and of eight earlier corrections, diagonals, the state from
+/// stage to stage, and what building the next model takes; fitted to the example `cost_model`.
+const STATIC_NODE_BYTES: f64 = 2500.0;
+const STATIC_ELEMENT_BYTES: f64 = 600.0;
+const STATIC_REMEMBERED_BYTES: f64 = 24.0;
 /// Bytes per absorbing node: its matrices, and its constants of three waves.
 const BOUNDARY_NODE_BYTES: f64 = 600.0;
 /// Bytes per pair of a joint: geometry, record, matrices, and two copies of what is recorded.
@@ -170,8 +204,8 @@ impl Account {
         }
     }
 
-    /// Memory of a run of so many steps (bytes).
-    pub(crate) fn memory(&self, steps: u64) -> u64 {
+    /// The program, the mesh and the model that moves (bytes).
+    fn bytes_of_model(&self) -> f64 {
         let (nodes, elements) = self.counts();
         let of_precision = |table: [(Precision, f64); 3]| {
             let known = table.iter().find(|(p, _)| *p == self.precision);
@@ -185,20 +219,35 @@ impl Account {
             flags,
             ..
         } = self.laws;
-        let mut bytes = BASE_BYTES
+        BASE_BYTES
             + NODE_BYTES * nodes
             + element * elements
             + of_precision(REMEMBERED_BYTES) * numbers
             + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * remembering
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
             + PAIR_BYTES * self.joints.pairs
-            + RECORDED_BYTES * self.numbers(steps);
+    }
+
+    /// Memory of a run of so many steps (bytes).
+    pub(crate) fn memory(&self, steps: u64) -> u64 {
+        let (nodes, elements) = self.counts();
+        let mut bytes = self.bytes_of_model() + RECORDED_BYTES * self.numbers(steps);
         if let Some(envelope) = &self.plan.envelope {
             // A peak and its time, for each quantity; two quantities of stress.
             let stress = if envelope.stress { 32.0 } else { 0.0 };
             bytes += 16.0 * vectors(envelope.motion) * nodes + stress * elements + CANVAS_BYTES;
         }
         bytes as u64
+    }
+
+    /// Memory while stages are gone through (bytes): the model that will move, and one that rests.
+    pub(crate) fn memory_of_stages(&self) -> u64 {
+        let (nodes, elements) = self.counts();
+        let resting = STATIC_NODE_BYTES * nodes
+            + STATIC_ELEMENT_BYTES * elements
+            + STATIC_REMEMBERED_BYTES * self.laws.numbers
+            + PAIR_BYTES * self.joints.pairs;
+        (self.bytes_of_model() + resting) as u64
     }
 
     /// Size of the files of a run of so many steps (bytes).

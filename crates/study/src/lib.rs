@@ -2,7 +2,8 @@
 //! the mesh of a machine bay, and meshes of sites with known answers.
 //!
 //! [`check`] looks at a scene without running it: mesh quality, the frequencies that its elements
-//! carry, the stable step and who limits it, and what a run will cost. [`FreeFieldCheck`] computes
+//! carry, the stable step and who limits it, what its stages and its run will cost, and which changes
+//! would save most ([`saving`]). [`FreeFieldCheck`] computes
 //! the scene's box without the structure and compares it with the field that comes in: what is left
 //! is the error of mesh, step and boundary, on which no result of the scene can improve. [`mod@sweep`]
 //! runs the cases of a scene, [`trade`] finds what accuracy costs it, [`write_report`] tells of them on one page, and [`bay`] makes the mesh of
@@ -41,9 +42,11 @@ mod opening_slice;
 mod report;
 mod resolution;
 mod rounded;
+pub mod saving;
 mod sensitivity;
 mod shell_octant;
 mod sides;
+mod static_cost;
 pub mod sweep;
 pub mod trade;
 
@@ -62,3 +65,4 @@ pub use report::{read_outcomes, write_report};
 pub use resolution::Resolution;
 pub use sensitivity::{Variation, VariedFigure, sensitivity};
 pub use shell_octant::ShellOctant;
+pub use static_cost::StaticCost;

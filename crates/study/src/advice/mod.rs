@@ -273,6 +273,18 @@ fn predictions(
     }
 }
 
+/// The error that a boundary is predicted to make on faces so many times as far as the setting's.
+///
+/// # Errors
+/// Faces that leave no room for a prediction.
+pub(crate) fn predicted_error(
+    setting: &Setting,
+    farther: f64,
+    kind: BoundaryKind,
+) -> Result<f64, StudyError> {
+    Ok(predictions(setting, farther, &[kind])?.errors[0])
+}
+
 /// The least distance tried at which the best boundary meets the stated error.
 fn farther(advice: &BoundaryAdvice) -> Result<Option<FartherFaces>, StudyError> {
     let Some(best) = advice.candidates.first() else {

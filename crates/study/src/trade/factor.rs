@@ -45,7 +45,7 @@ impl Level {
     }
 
     /// Changes a scene's file.
-    pub(super) fn apply(&self, file: &mut Table) {
+    pub(crate) fn apply(&self, file: &mut Table) {
         match &self.change {
             Change::Nothing => {}
             Change::Set(None, key, value) => {
@@ -101,7 +101,7 @@ pub struct Factor {
 }
 
 /// What a scene leaves to choose, what matters most first.
-pub(super) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
+pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     let found = [
         kernel(scene),
         step(file),

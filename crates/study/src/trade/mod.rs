@@ -47,6 +47,7 @@ use crate::sweep::write_text;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
 use case::{Bench, Finished};
+pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
 use plan::{Design, Outlook};
 

@@ -1,0 +1,307 @@
+//! What stages cost, and what changes of a scene would save, against scenes that were so changed.
+
+use std::sync::Arc;
+
+use powerhouse::boundary::ViscousSpring;
+use powerhouse::engine::{StaticOptions, Support};
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{Axis, ElasticMedium, Mesh, Vec3};
+use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
+use powerhouse::{Boundary, Material, Mirror, Parity, Part, Registry, Scene, SceneStage, TimeStep};
+use powerhouse_study::check;
+use powerhouse_study::saving::{Change, Saving};
+
+const ROCK: ElasticMedium = ElasticMedium {
+    young: 9.0e9,
+    poisson: 0.27,
+    density: 2750.0,
+};
+const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
+const TOP: Vec3 = Vec3::new(30.0, 30.0, 0.0);
+
+/// Ground of 60 m, 60 m deep, under a P wave that comes straight up, its faces at a share of 30 m from the
+/// axis, in bricks of 5 m.
+fn ground(share: f64) -> Mesh {
+    let across = Vec3::new(30.0 * share, 30.0 * share, 0.0);
+    let low = TOP - across - Vec3::new(0.0, 0.0, 60.0 * share);
+    let cells = |length: f64| (length / 5.0).round() as usize;
+    let wide = cells(60.0 * share);
+    Mesh::box_of_hexes(low, TOP + across, [wide, wide, wide], "rock").unwrap()
+}
+
+fn rock() -> Material {
+    Material::from(LinearElastic::new(ROCK))
+}
+
+fn scene(mesh: Mesh, faces: &[&str]) -> Scene {
+    let mut parameters = PlaneWaveParameters::vertical(WaveKind::P, ROCK, 0.0);
+    parameters.reference = mesh.bounding_box().0;
+    let pulse = Arc::new(SmoothPulse::new(0.01, 0.2).unwrap());
+    let wave = PlaneWave::new(parameters, pulse).unwrap();
+    let boundary = Boundary::new(ViscousSpring::default(), faces.iter().copied());
+    Scene::new("ground", mesh)
+        .plane_waves(vec![wave])
+        .unwrap()
+        .boundary(boundary.scatterer(TOP - Vec3::new(0.0, 0.0, 15.0)))
+        .duration(0.4)
+}
+
+/// Steps and elements of a run.
+fn counts(scene: Scene) -> [f64; 2] {
+    let duration = scene.run_duration();
+    let mut simulation = scene.prepare().unwrap();
+    let step = simulation.step().unwrap();
+    let elements = simulation.mesh().element_count() as f64;
+    [(duration / step).ceil() + 1.0, elements]
+}
+
+fn of(savings: &[Saving], change: impl Fn(&Change) -> bool) -> &Saving {
+    let found = savings.iter().find(|saving| change(&saving.change));
+    found.unwrap_or_else(|| panic!("{savings:?}"))
+}
+
+/// Half of a symmetric body and the whole of the stable step take the elements and steps that were
+/// predicted, and no more than three changes are named, the best first.
+#[test]
+fn halves_and_whole_steps_save_what_is_predicted() {
+    let whole = || scene(ground(1.0), &SIDES).part(Part::new("rock", rock()));
+    let slow = || whole().step(TimeStep::OfStable(0.6));
+    let report = check(slow()).unwrap();
+    let savings = &report.savings;
+    assert_eq!(savings.len(), 3);
+    assert!(savings.is_sorted_by(|a, b| a.time <= b.time));
+    let [steps, elements] = counts(slow());
+
+    let faster = of(savings, |change| *change == Change::WholeStep);
+    let found = counts(whole())[0] / steps;
+    assert!(
+        (found / faster.steps - 1.0).abs() < 0.02,
+        "{found} {faster:?}"
+    );
+    assert_eq!((faster.time, faster.elements), (faster.steps, 1.0));
+
+    let half = of(
+        savings,
+        |change| matches!(change, Change::Half { axis: Axis::X, at } if (at - 30.0).abs() < 1e-9),
+    );
+    let (low, high) = (Vec3::new(30.0, 0.0, -60.0), Vec3::new(60.0, 60.0, 0.0));
+    let mesh = Mesh::box_of_hexes(low, high, [6, 12, 12], "rock").unwrap();
+    let nodes = mesh.nodes_of_facets(mesh.facet_set("left").unwrap());
+    let mirror = Mirror {
+        nodes,
+        normal: Vec3::x(),
+        parity: Parity::Symmetric,
+    };
+    let halved = scene(mesh, &["right", "front", "back", "bottom"]);
+    let halved = halved.part(Part::new("rock", rock())).mirror(mirror);
+    let found = counts(halved.step(TimeStep::OfStable(0.6)));
+    assert_eq!(found[1] / elements, half.elements);
+    assert!((found[0] / steps - half.steps).abs() < 0.02);
+    assert_eq!(half.time, half.elements);
+    assert!(savings.iter().all(|saving| saving.error.share > 0.0));
+}
+
+/// Neither half nor slice is named where waves or parts have no mirror image, or a face absorbs along it.
+#[test]
+fn halves_need_a_mirror_image() {
+    let mut mesh = ground(1.0);
+    let corner = mesh.elements_in_box(&Vec3::new(0.0, 0.0, -60.0), &Vec3::new(30.0, 60.0, 0.0));
+    let rest = (0..mesh.element_count() as u32).filter(|e| !corner.contains(e));
+    let rest = rest.collect();
+    mesh.set_element_set("corner", corner).unwrap();
+    mesh.set_element_set("rest", rest).unwrap();
+    let one_sided = scene(mesh, &SIDES)
+        .part(Part::new("corner", rock()))
+        .part(Part::new("rest", rock()));
+    let savings = check(one_sided).unwrap().savings;
+    let along = |axis: Axis| {
+        let named = |saving: &&Saving| matches!(saving.change, Change::Half { axis: other, .. } if other == axis);
+        savings.iter().find(named)
+    };
+    assert!(
+        along(Axis::X).is_none() && along(Axis::Y).is_some(),
+        "{savings:?}"
+    );
+    assert!(
+        !savings
+            .iter()
+            .any(|saving| matches!(saving.change, Change::Slice { .. }))
+    );
+}
+
+/// A body that is the same all along an axis needs one of its layers, faces nearer to a structure leave the
+/// elements that were predicted, and a few thin elements that limit the step are found: without them it
+/// grows as predicted.
+#[test]
+fn slices_nearer_faces_and_larger_elements_save_what_is_predicted() {
+    let inside = |mesh: &mut Mesh| {
+        let (low, high) = (Vec3::new(20.0, 0.0, -20.0), Vec3::new(40.0, 60.0, -10.0));
+        let lining = mesh.elements_in_box(&low, &high);
+        let rest = (0..mesh.element_count() as u32).filter(|e| !lining.contains(e));
+        let rest = rest.collect();
+        mesh.set_element_set("lining", lining).unwrap();
+        mesh.set_element_set("ground", rest).unwrap();
+    };
+    let faces = ["left", "right", "bottom"];
+    let slender = |mesh: Mesh| {
+        let held = |side: &str| {
+            let nodes = mesh.nodes_of_facets(mesh.facet_set(side).unwrap());
+            Support::roller(nodes, Vec3::y())
+        };
+        let (front, back) = (held("front"), held("back"));
+        scene(mesh, &faces)
+            .part(Part::new("ground", rock()))
+            .part(Part::new("lining", rock()))
+            .support(front)
+            .support(back)
+    };
+    let long = |share: f64| {
+        let mut mesh = ground(share);
+        inside(&mut mesh);
+        mesh
+    };
+    let [steps, elements] = counts(slender(long(1.0)));
+    let savings = check(slender(long(1.0))).unwrap().savings;
+    let slice = of(&savings, |change| {
+        matches!(change, Change::Slice { axis: Axis::Y, .. })
+    });
+    let layer = long(1.0).plane_slice(Axis::Y, 30.0).unwrap();
+    let found = counts(slender(layer));
+    assert!(
+        (found[1] / elements - slice.elements).abs() < 1e-12,
+        "{slice:?}"
+    );
+    assert!(
+        (found[0] / steps - slice.steps).abs() < 0.02,
+        "{found:?} {steps}"
+    );
+
+    // Without waves that travel across it there is no slice; nearer faces remain.
+    let mut mesh = long(1.0);
+    // A layer of bricks half as thick, in one of twelve columns, and its set.
+    let thin = mesh.elements_in_box(&Vec3::new(20.0, 0.0, -20.0), &Vec3::new(40.0, 5.0, -10.0));
+    let few = mesh.element_set("lining").unwrap().iter().copied();
+    let few = few.filter(|element| !thin.contains(element)).collect();
+    mesh.set_element_set("thin", thin).unwrap();
+    mesh.set_element_set("lining", few).unwrap();
+    let stiff = ElasticMedium {
+        young: 4.0 * ROCK.young,
+        ..ROCK
+    };
+    let with = |young: ElasticMedium| {
+        let stiff = Material::from(LinearElastic::new(young));
+        slender(mesh.clone()).part(Part::new("thin", stiff))
+    };
+    let savings = check(with(stiff)).unwrap().savings;
+    let larger = of(
+        &savings,
+        |change| matches!(change, Change::LargerElements { set, count: 8, .. } if set == "thin"),
+    );
+    // Twice the speed of waves: twice as large they would not limit the step.
+    assert!(
+        matches!(larger.change, Change::LargerElements { times, .. } if (times - 2.0).abs() < 0.01)
+    );
+    let found = counts(with(ROCK))[0] / counts(with(stiff))[0];
+    assert!(
+        (found / larger.steps - 1.0).abs() < 0.1,
+        "{found} {larger:?}"
+    );
+}
+
+/// Faces nearer to a structure leave the elements that were predicted.
+#[test]
+fn nearer_faces_leave_the_elements_that_are_predicted() {
+    let of_share = |share: f64| {
+        let mut mesh = ground(share);
+        let (low, high) = (Vec3::new(25.0, 25.0, -20.0), Vec3::new(35.0, 35.0, -10.0));
+        let lining = mesh.elements_in_box(&low, &high);
+        let rest = (0..mesh.element_count() as u32).filter(|e| !lining.contains(e));
+        let rest = rest.collect();
+        mesh.set_element_set("lining", lining).unwrap();
+        mesh.set_element_set("ground", rest).unwrap();
+        scene(mesh, &SIDES)
+            .part(Part::new("ground", rock()))
+            .part(Part::new("lining", rock()))
+    };
+    let report = check(of_share(1.0)).unwrap();
+    let nearer = of(
+        &report.savings,
+        |change| matches!(change, Change::NearerFaces { share } if *share == 0.75),
+    );
+    // The lower face is 45 m below the structure, 15 m above it the surface stays.
+    let [steps, elements] = counts(of_share(1.0));
+    let found = counts(of_share(0.75));
+    let above = 9.0 * 9.0 * 9.0 / elements;
+    assert!(
+        nearer.elements < above + 0.05 && nearer.elements > above - 0.15,
+        "{nearer:?}"
+    );
+    assert!((found[0] / steps - nearer.steps).abs() < 0.05);
+    assert!(nearer.error.share > 0.0 && nearer.error.share < 1.0);
+}
+
+/// Changes of a scene's file take the steps that were predicted: flat damping in place of Rayleigh's.
+#[test]
+fn changes_of_a_file_save_what_is_predicted() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../data/scenes/cavern_small.toml"
+    );
+    let text = std::fs::read_to_string(path).unwrap();
+    let damped = |damping: &str| {
+        let text = text.replace("kernel = \"hex8-full\"", damping);
+        Scene::from_toml(text, path, &Registry::default()).unwrap()
+    };
+    let rayleigh =
+        || damped("damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 10] }");
+    let savings = check(rayleigh()).unwrap().savings;
+    let flat = of(&savings, |change| *change == Change::FlatDamping);
+    let found = counts(damped(
+        "damping = { kind = \"flat\", ratio = 0.05, band = [1, 10] }",
+    ))[0];
+    let found = found / counts(rayleigh())[0];
+    assert!((found / flat.steps - 1.0).abs() < 0.01, "{found} {flat:?}");
+    assert!(flat.steps < 0.9 && flat.error.share < 0.2, "{flat:?}");
+}
+
+/// Stages that are gone through while they are timed cost what they took, in corrections too; memory is
+/// more than that of the run.
+#[test]
+fn short_stages_are_known_not_predicted() {
+    let staged = || {
+        let mut mesh = ground(1.0);
+        let (low, high) = (Vec3::new(20.0, 20.0, -20.0), Vec3::new(40.0, 40.0, 0.0));
+        let pit = mesh.elements_in_box(&low, &high);
+        mesh.set_element_set("pit", pit).unwrap();
+        let nodes = mesh.nodes_of_facets(mesh.facet_set("bottom").unwrap());
+        scene(mesh, &SIDES)
+            .part(Part::new("rock", rock()))
+            .gravity(Vec3::new(0.0, 0.0, -9.81), |_: f64| 1.0)
+            .stage(SceneStage::new("ground").support(Support::fixed(nodes)))
+            .stage(
+                SceneStage::new("pit")
+                    .excavate("pit")
+                    .options(StaticOptions::default().with_increments(2)),
+            )
+    };
+    let body = staged().prepare().unwrap().bring_to_rest(None, None);
+    let body = body.unwrap().unwrap();
+    let corrections: u32 = (body.stages().iter())
+        .map(|stage| stage.solution.corrections)
+        .sum();
+    assert_eq!(corrections, 3);
+    let cost = check(staged()).unwrap().cost;
+    let stages = cost.stages.unwrap();
+    assert_eq!(
+        (stages.uncertainty, stages.timed, stages.corrections),
+        (1.0, 3, 3)
+    );
+    assert!(stages.unknown.is_empty() && stages.memory > cost.memory);
+    assert!(
+        check(scene(ground(0.5), &SIDES).part(Part::new("rock", rock())))
+            .unwrap()
+            .cost
+            .stages
+            .is_none()
+    );
+}
