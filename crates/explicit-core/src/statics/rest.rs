@@ -86,7 +86,8 @@ impl Model {
     /// Forces (N, engine numbering) that would have to act beside the loads at the present time for
     /// the body to be at rest, and the norm of the internal forces.
     ///
-    /// Nodes that a joint holds together share what they lack as a whole; the joint does the rest.
+    /// Nodes that a joint holds together share what they, and those tied to them, lack as a whole; the
+    /// joint does the rest.
     fn lacking(&mut self, which: Loads) -> Result<(Vec<Vec3>, f64), StaticError> {
         self.forces_at_rest(0.0)?;
         let count = self.mass.len();
@@ -106,10 +107,20 @@ impl Model {
         }
         let asked = self.forces_of_initial_stress();
         for together in self.joined_nodes() {
-            let nodes = together.iter().map(|&node| node as usize);
-            let sum: Vec3 = nodes.map(|node| lacking[node] + asked[node]).sum();
-            for &node in &together {
-                lacking[node as usize] = sum / together.len() as f64 - asked[node as usize];
+            let of_group = |values: &[Vec3], node: u32| -> Vec3 {
+                let members = self.members(&node).iter();
+                members.map(|&member| values[member as usize]).sum()
+            };
+            let nodes = together.iter();
+            let sum: Vec3 = nodes
+                .map(|&node| of_group(&lacking, node) + of_group(&asked, node))
+                .sum();
+            for node in &together {
+                for &member in self.members(node) {
+                    lacking[member as usize] = Vec3::zeros();
+                }
+                let share = sum / together.len() as f64;
+                lacking[*node as usize] = share - of_group(&asked, *node);
             }
         }
         for &orphan in &self.orphans {
@@ -183,6 +194,12 @@ impl Model {
             let sum: Vec3 = group.members.iter().map(|&m| vector[m as usize]).sum();
             vector[group.members[0] as usize] = sum;
         }
+    }
+
+    /// The engine nodes that move as one with an engine node, itself among them.
+    fn members<'a>(&'a self, node: &'a u32) -> &'a [u32] {
+        let group = self.group_of[*node as usize].map(|g| &self.groups.groups[g as usize]);
+        group.map_or(std::slice::from_ref(node), |group| &group.members)
     }
 
     /// Engine nodes that joints and ties connect, each list in rising order.
