@@ -263,6 +263,8 @@ impl Simulation {
         };
         let mut check = EnergyCheck::every((every / step).round().max(1.0) as u64);
         check.limit = limit;
+        // Balances by set take a tenth of a step, and tell a fault's set only a little more surely.
+        check.by_set = false;
         options.with_energy(check)
     }
 
