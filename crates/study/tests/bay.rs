@@ -142,6 +142,19 @@ fn both_faces_of_the_bay_have_one_grid() {
     let rock = bay.mesh.facet_set("front_rock").unwrap().len();
     let caverns = bay.report.elements() - bay.report.elements_of("rock");
     assert_eq!(rock, 45 * 44 - caverns / 8);
+    let on_front = |element: &&u32| {
+        let nodes = bay.mesh.nodes_of(**element).iter();
+        nodes
+            .filter(|&&node| bay.mesh.positions()[node as usize].y == 0.0)
+            .count()
+            == 4
+    };
+    let structure = bay.mesh.element_set("structure").unwrap();
+    let ends = bay.mesh.facet_set("front_structure").unwrap().iter();
+    let ends: Vec<u32> = ends.map(|facet| facet.element).collect();
+    let expected: Vec<u32> = structure.iter().filter(on_front).copied().collect();
+    assert!(!ends.is_empty());
+    assert_eq!(ends, expected);
     let place = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x * 1e6).round() as i64);
     let all: HashSet<[i64; 3]> = bay.mesh.positions().iter().map(place).collect();
     for position in bay.mesh.positions() {

@@ -18,7 +18,7 @@
 //! |---|---|
 //! | parts, each element in one | `rock`; `void_main`, `void_transformer`; `arch_`, `wall_`, `base_main`; `mass`, `pier`, `windshield`; `floor_generator`, `floor_busbar`, `floor_turbine`; `arch_`, `wall_`, `floor_transformer` |
 //! | elements of several parts | `void` (what stays empty); `structure` (all concrete), of it `lining` (what touches rock) and `interior`; stages of excavation `main_1` to `main_5`, `transformer_1` to `transformer_3`; `rim`, the rock at the faces through which waves come |
-//! | faces of the block | `left`, `right` (least and greatest x), `front`, `back` (y), `bottom`, `top`; `front_rock`, `back_rock`: what is rock of them |
+//! | faces of the block | `left`, `right` (least and greatest x), `front`, `back` (y), `bottom`, `top`; `front_rock`, `back_rock`, `front_structure`, `back_structure`: what is rock of them, and what is concrete |
 //! | facets of rock towards the structure | `joint_` and the name of the part; `joint_ends` beyond the ends of a bay in a block of rock; for bolts `roof_` and `walls_main`, `roof_` and `walls_transformer` |
 //! | nodes | `point_A` to `point_F`, `point_O1`, `point_O2`: the monitoring points of the paper on the inner face of the concrete at mid-bay |
 //!

@@ -86,10 +86,11 @@ pub(super) fn name_sets(
                 put("rim");
             }
             rock_facets(&cells, cell, &mut facets);
-            end_facets(&cells, cell, &mut facets);
+            end_facets(&cells, cell, "rock", &mut facets);
             continue;
         }
         if part.is_concrete() {
+            end_facets(&cells, cell, "structure", &mut facets);
             put("structure");
             put(if part.is_lining() {
                 "lining"
@@ -173,21 +174,20 @@ fn rock_facets(cells: &Cells, cell: [usize; 3], facets: &mut BTreeMap<String, Ve
     }
 }
 
-/// Facets of a cell of rock on the faces across the halls, through which waves may come while the
-/// structure runs through these faces.
-fn end_facets(cells: &Cells, cell: [usize; 3], facets: &mut BTreeMap<String, Vec<Facet>>) {
+/// Facets of a cell of the rock or the structure on the faces across the halls: waves may come through
+/// those of the rock while those of the structure are held.
+fn end_facets(
+    cells: &Cells,
+    cell: [usize; 3],
+    body: &str,
+    facets: &mut BTreeMap<String, Vec<Facet>>,
+) {
     let element = cells.index(cell);
     for (side, step) in SIDES {
         if step[1] != 0 && cells.beside(cell, step).is_none() {
-            let set = if step[1] < 0 {
-                "front_rock"
-            } else {
-                "back_rock"
-            };
-            facets
-                .entry(set.into())
-                .or_default()
-                .push(Facet { element, side });
+            let end = if step[1] < 0 { "front" } else { "back" };
+            let set = facets.entry(format!("{end}_{body}")).or_default();
+            set.push(Facet { element, side });
         }
     }
 }
