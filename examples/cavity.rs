@@ -6,11 +6,13 @@ pub mod compare;
 use std::sync::Arc;
 
 use powerhouse::boundary::{AxisParameters, DomainReduction, Spreading, ViscousSpring};
-use powerhouse::engine::Support;
 use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
+use powerhouse::engine::{Precision, SolidKernel, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Mesh, ParameterError, Vec3};
-use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, Signal, WaveKind};
+use powerhouse::wavefield::{
+    Angle, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, Signal, WaveKind,
+};
 use powerhouse::{
     Boundary, InitialMotion, Material, OutputPlan, Part, RunHooks, Scene, TimeStep, reduction_layer,
 };
@@ -45,6 +47,19 @@ pub fn unit_of_time() -> Result<f64, ParameterError> {
     Ok(RADIUS / rock()?.s_speed())
 }
 
+/// Peak of the incident displacement (m).
+pub const PEAK: f64 = 1.0e-3;
+
+/// The reference's pulse: it passes the surface at 6 a/cs.
+///
+/// # Errors
+/// None: see [`rock`].
+pub fn pulse() -> Outcome<Arc<dyn Signal>> {
+    let unit = unit_of_time()?;
+    let shape = RickerQuantity::Displacement;
+    Ok(Arc::new(Ricker::new(shape, PEAK, 0.25 / unit, 6.0 * unit)?))
+}
+
 /// What of the half-space is computed, and how finely; lengths in radii of the cavity.
 #[derive(Clone, Copy, Debug)]
 pub struct CavityModel {
@@ -58,6 +73,10 @@ pub struct CavityModel {
     pub height: f64,
     /// B of the boundary's dashpots.
     pub speed_ratio: f64,
+    /// The kernel of the bricks; their default without one.
+    pub kernel: Option<SolidKernel>,
+    /// The number format.
+    pub precision: Precision,
     /// The reach of the region, to the sides and down, that the wave enters through a layer of
     /// elements around it; without one it enters through the boundary.
     pub layer: Option<f64>,
@@ -79,6 +98,18 @@ pub struct Incoming {
 }
 
 impl CavityModel {
+    /// Short bricks in a large box.
+    pub const BEST: Self = Self {
+        edge: 0.05,
+        far: [0.4, 0.08],
+        half_width: 32.0,
+        height: 12.0,
+        speed_ratio: 1.0,
+        kernel: None,
+        precision: Precision::F64,
+        layer: None,
+    };
+
     /// The mesh.
     ///
     /// # Errors
@@ -117,7 +148,8 @@ impl CavityModel {
             spreading: Spreading::Cylindrical,
             ..ViscousSpring::default()
         };
-        let part = Part::new("rock", Material::from(LinearElastic::new(rock)));
+        let mut part = Part::new("rock", Material::from(LinearElastic::new(rock)));
+        part.kernel = self.kernel.map(Into::into);
         let condition: Box<dyn AbsorbingBoundary> = match self.layer {
             None => Box::new(springs),
             Some(reach) => {
@@ -157,6 +189,7 @@ impl CavityModel {
             .support(plane_strain)
             .boundary(boundary)
             .field(field)
+            .precision(self.precision)
             .start((wave.begin - ahead) * unit, InitialMotion::Field)
             .duration((wave.end - wave.begin + ahead) * unit)
             .output(output)

@@ -33,23 +33,13 @@ use std::sync::Arc;
 
 use powerhouse::engine::observe::HistoryTable;
 use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
-use powerhouse::wavefield::{Ricker, RickerQuantity, Signal, WaveKind};
+use powerhouse::wavefield::{Signal, WaveKind};
 use powerhouse_examples::cavity::compare::{
     Pair, Steady, amplitudes, relative_l2, transients, values,
 };
-use powerhouse_examples::cavity::{CavityModel, Incoming, STATIONS, unit_of_time};
+use powerhouse_examples::cavity::{CavityModel, Incoming, PEAK, STATIONS, pulse, unit_of_time};
 use powerhouse_examples::reference::ReferenceTable;
 use powerhouse_examples::{Figures, Outcome};
-
-/// Peak of the incident displacement (m).
-const PEAK: f64 = 1.0e-3;
-
-/// The reference's pulse: it passes the surface at 6 a/cs.
-fn pulse() -> Outcome<Arc<dyn Signal>> {
-    let unit = unit_of_time()?;
-    let shape = RickerQuantity::Displacement;
-    Ok(Arc::new(Ricker::new(shape, PEAK, 0.25 / unit, 6.0 * unit)?))
-}
 
 /// One of the reference's waves.
 struct Wave {
@@ -209,14 +199,7 @@ impl Answer {
 }
 
 /// Short bricks in a large box.
-const BEST: CavityModel = CavityModel {
-    edge: 0.05,
-    far: [0.4, 0.08],
-    half_width: 32.0,
-    height: 12.0,
-    speed_ratio: 1.0,
-    layer: None,
-};
+const BEST: CavityModel = CavityModel::BEST;
 /// The same box in bricks of twice the length.
 const MIDDLE: CavityModel = CavityModel {
     edge: 0.1,

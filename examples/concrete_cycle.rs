@@ -21,7 +21,6 @@
 //! Run: `cargo run --release --example concrete_cycle`; it draws `concrete_cycle_tension.svg`,
 //! `concrete_cycle_compression.svg` and `concrete_cycle_cycle.svg`.
 
-use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 use std::thread;
@@ -35,9 +34,8 @@ use powerhouse::material::{
     presets,
 };
 use powerhouse::model::{ConstitutiveLaw, ElasticMedium};
-use powerhouse_examples::Figures;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
+use powerhouse_examples::softening::dissipated;
+use powerhouse_examples::{Figures, Outcome};
 
 /// Energy per area of crack and of crushing band (N/m).
 const CRACKING: f64 = 133.0;
@@ -114,40 +112,6 @@ fn damaging<S: YieldSurface>(surface: S) -> Outcome<PlasticDamage<S>> {
         stiffness_recovery: 1.0,
         residual_stiffness: 1.0e-6,
     })?)
-}
-
-/// Dissipated energy over `energy x area` of a bar (1 m2 across) in `count` elements, of which one
-/// is weaker. The weak element is led to a strain along the bar; the others, all alike, follow its
-/// stress.
-fn dissipated<M: ConstitutiveLaw>(
-    weak: M,
-    strong: M,
-    (length, count): (f64, usize),
-    (energy, strength): (f64, f64),
-) -> Outcome<f64> {
-    const STEPS: usize = 1500;
-    let size = length / count as f64;
-    weak.accept_size(size)?;
-    let young = weak.medium().young;
-    // As far as a crack that softened linearly would open four times.
-    let opening = 8.0 * energy / (strength.abs() * size) * strength.signum();
-    let mut breaking = PointDriver::new(weak).with_size(size)?;
-    let mut others = PointDriver::new(strong).with_size(size)?;
-    // Up to the peak in fine steps.
-    let first = strength / young;
-    let mut ends: Vec<f64> = (1..=20).map(|k| 0.05 * f64::from(k) * first).collect();
-    ends.extend((1..=STEPS).map(|k| first + (opening * k as f64) / STEPS as f64));
-    for end in ends {
-        let stress = breaking.advance(Control::uniaxial(end), 1)?[0].stress.0[2];
-        let mut target = Control::uniaxial(0.0);
-        target[2] = Control::Stress(stress);
-        others.advance(target, 1)?;
-    }
-    let work = breaking.state().work + (count - 1) as f64 * others.state().work;
-    // What is left of the stress would be given back.
-    let stress = breaking.state().stress.0[2];
-    let held = 0.5 * stress * stress / young * count as f64;
-    Ok((work - held) * size / energy)
 }
 
 /// The largest deviation from one over the given numbers of elements, reported each; they are computed

@@ -1,9 +1,13 @@
 //! How the examples print their figures: one per line, `figure NAME VALUE`, beside what is
 //! expected of it.
 
+pub mod block;
 pub mod cavity;
 pub mod column;
+pub mod interface;
+pub mod prices;
 pub mod reference;
+pub mod softening;
 pub mod strip;
 
 use std::process::ExitCode;

@@ -28,7 +28,6 @@ mod case;
 mod closed_form;
 mod factor;
 mod misfit;
-mod picture;
 mod plan;
 
 use std::collections::BTreeMap;
@@ -43,6 +42,7 @@ use powerhouse::{ProgressHook, Registry, Scene};
 use toml::Table;
 
 use crate::mark::{Mark, inputs};
+use crate::price::{Price, draw_prices, price_front};
 use crate::sweep::write_text;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
@@ -57,6 +57,8 @@ const SHARE_OF_INTENSITY: f64 = 0.5;
 const SHARE_ADDED: f64 = 0.1;
 /// Combinations that are run at most beyond single changes.
 const MOST_COMBINATIONS: usize = 6;
+/// Errors below this are drawn as this.
+const LEAST_DRAWN: f64 = 1e-9;
 /// The picture in the folder of a trade.
 const PICTURE: &str = "trade.svg";
 /// The table.
@@ -120,6 +122,17 @@ pub struct TradeCase {
     pub error: f64,
     /// The history that has this error.
     pub worst: String,
+}
+
+impl TradeCase {
+    /// The wall time of the whole run (s) and the error.
+    pub fn price(&self) -> Price {
+        Price {
+            name: self.name.clone(),
+            cost: self.cost.wall_time(),
+            error: self.error,
+        }
+    }
 }
 
 /// What a trade found.
@@ -289,10 +302,10 @@ impl Trade {
         let mut report = TradeReport {
             title: self.title.clone(),
             factors: self.factors.clone(),
+            front: price_front(&cases.iter().map(TradeCase::price).collect::<Vec<_>>()),
             cases,
             failed: failures,
             reference_error: of_reference,
-            front: plan::front(&known),
             chosen,
             files: Vec::new(),
         };
@@ -443,7 +456,10 @@ impl Trade {
         }
         let (table, picture) = (self.folder.join(TABLE), self.folder.join(PICTURE));
         write_text(&table, &text)?;
-        picture::draw(&picture, report)?;
+        let prices: Vec<Price> = report.cases.iter().map(TradeCase::price).collect();
+        let cost = ("wall time of the whole run", "s");
+        let least = report.reference_error.max(LEAST_DRAWN);
+        draw_prices(&picture, &report.title, cost, &prices, least)?;
         files.extend([table, picture]);
         report.files = files;
         Ok(())

@@ -1,0 +1,94 @@
+//! Tables of what choices cost and err, as the documentation shows them.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use powerhouse_study::{Price, draw_prices, price_front};
+
+use crate::Outcome;
+
+/// What a run came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Priced {
+    /// Its relative error.
+    pub error: f64,
+    /// The wall time of its steps (s).
+    pub seconds: f64,
+}
+
+/// A problem whose answer is known, solved in several ways.
+#[derive(Clone, Debug)]
+pub struct PriceTable {
+    /// In names of figures and files.
+    pub name: &'static str,
+    /// The heading.
+    pub title: &'static str,
+    /// What is solved, and what the error is of.
+    pub about: &'static str,
+    /// The ways and what they came to; costs are told over that of the first one.
+    pub rows: Vec<Price>,
+}
+
+impl PriceTable {
+    /// A table without rows.
+    #[must_use]
+    pub fn new(name: &'static str, title: &'static str, about: &'static str) -> Self {
+        Self {
+            name,
+            title,
+            about,
+            rows: Vec::new(),
+        }
+    }
+
+    /// Adds a way to solve it; prints it.
+    pub fn put(&mut self, choice: impl Into<String>, priced: Priced) {
+        let name = choice.into();
+        let (error, cost) = (priced.error, priced.seconds);
+        println!("{}: {name}: error {error:.2e} in {cost:.3} s", self.name);
+        self.rows.push(Price { name, cost, error });
+    }
+
+    /// The table in Markdown; rows on the front are bold.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let mut text = format!("\n## {}\n\n{}\n\n", self.title, self.about);
+        text += "| choice | relative error | cost |\n|---|---|---|\n";
+        let front = price_front(&self.rows);
+        let unit = self.rows.first().map_or(1.0, |row| row.cost);
+        for (place, row) in self.rows.iter().enumerate() {
+            let mark = if front.contains(&place) { "**" } else { "" };
+            // Writing to a string does not fail.
+            let _ = writeln!(
+                text,
+                "| {mark}{}{mark} | {:.2e} | {:.2} |",
+                row.name,
+                row.error,
+                row.cost / unit
+            );
+        }
+        let _ = writeln!(
+            text,
+            "\n![error against cost](verification/{}.svg)",
+            self.name
+        );
+        text
+    }
+
+    /// Draws errors against costs into a folder.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn draw(&self, folder: &Path) -> Outcome<()> {
+        let unit = self.rows.first().map_or(1.0, |row| row.cost);
+        let prices: Vec<Price> = (self.rows.iter())
+            .map(|row| Price {
+                cost: row.cost / unit,
+                ..row.clone()
+            })
+            .collect();
+        let file = folder.join(format!("{}.svg", self.name));
+        let cost = ("wall time over that of the first choice", "1");
+        Ok(draw_prices(&file, self.title, cost, &prices, 1e-9)?)
+    }
+}
