@@ -91,6 +91,11 @@ pub use stage::{
     StageOverview, StageSink, StagingError,
 };
 
+/// What choices cost and err on problems whose answer is known.
+#[cfg(doc)]
+#[doc = include_str!("../../../docs/verification.md")]
+pub mod verification {}
+
 /// The program in the project's README compiles and runs.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
