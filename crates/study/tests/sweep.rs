@@ -475,6 +475,25 @@ fn a_case_may_have_another_mesh_and_other_supports() {
     assert_eq!((faces(&bay), faces(&block)), (3, 5));
 }
 
+/// A case on request is left out of a sweep unless it is asked for by name.
+#[test]
+fn a_case_on_request_waits_until_it_is_asked_for() {
+    let folder = Folder::new("request");
+    let text = SCENE.replace("name = \"steep\"", "name = \"steep\"\non_request = true");
+    std::fs::write(folder.scene(), text).unwrap();
+    let sweep = folder.sweep();
+    assert!(!sweep.cases().is_empty());
+    assert!(!sweep.cases().contains(&"steep".to_owned()));
+    let asked = sweep.only(&["steep".into()]).unwrap();
+    assert_eq!(asked.cases(), ["steep"]);
+    let unknown = folder.sweep().only(&["steeper".into()]).err().unwrap();
+    let text = unknown.to_string();
+    assert!(
+        text.contains("steeper") && text.contains("steep,"),
+        "{text}"
+    );
+}
+
 /// A sweep that is stopped says so, and goes on where it was.
 #[test]
 fn a_sweep_that_is_stopped_goes_on() {

@@ -16,6 +16,10 @@ pub struct Case {
     /// The one choice by which it differs, in a few words, such as `dynamic friction`: reports compare
     /// it with the first case of the same waves that varies nothing.
     pub varies: Option<String>,
+    /// A sweep leaves it out unless it is asked for by name: for a case that takes far longer than the
+    /// others, such as one of a finer mesh.
+    #[serde(default)]
+    pub on_request: bool,
     /// Its mesh, in place of the scene's.
     pub mesh: Option<MeshFile>,
     /// Its waves, in place of all of the scene's.

@@ -76,6 +76,8 @@ impl Scene {
         let mut scene = resolve::compose(&text, &file, registry).map_err(refused)?;
         scene.directory = file.output.directory;
         scene.cases = cases;
+        let on_request = file.cases.iter().filter(|case| case.on_request);
+        scene.cases_on_request = on_request.map(|case| case.name.to_string()).collect();
         scene.case = case.map(str::to_owned);
         scene.source = Some(text);
         Ok(scene)

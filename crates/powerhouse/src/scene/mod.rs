@@ -150,6 +150,7 @@ pub struct Scene {
     pub(crate) directory: Option<PathBuf>,
     /// The names of the cases in its file.
     pub(crate) cases: Vec<String>,
+    pub(crate) cases_on_request: Vec<String>,
     /// The case of its file that it is.
     pub(crate) case: Option<String>,
 }
@@ -191,6 +192,7 @@ impl Scene {
             places: Places::default(),
             directory: None,
             cases: Vec::new(),
+            cases_on_request: Vec::new(),
             case: None,
         }
     }
@@ -464,6 +466,10 @@ impl Scene {
     /// The names of the cases in the scene's file.
     pub fn case_names(&self) -> &[String] {
         &self.cases
+    }
+    /// Those of them that a sweep leaves out unless they are asked for.
+    pub fn cases_on_request(&self) -> &[String] {
+        &self.cases_on_request
     }
     /// The case of its file that the scene is, if it is one.
     pub fn case(&self) -> Option<&str> {

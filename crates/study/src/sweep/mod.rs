@@ -85,7 +85,10 @@ pub struct Sweep {
     /// What stood in the file when the sweep began.
     text: String,
     registry: Registry,
+    /// Those that it runs.
     cases: Vec<String>,
+    /// All that the scene has.
+    all: Vec<String>,
     folder: PathBuf,
     mark: Mark,
     duration: Option<f64>,
@@ -115,23 +118,28 @@ impl Sweep {
             mark: Mark::of(text, &files, None),
             text: text.to_owned(),
             scene: path.into(),
-            cases: scene.case_names().to_vec(),
+            cases: (scene.case_names().iter())
+                .filter(|case| !scene.cases_on_request().contains(case))
+                .cloned()
+                .collect(),
+            all: scene.case_names().to_vec(),
             folder: folder.unwrap_or(own),
             registry,
             duration: None,
         })
     }
 
-    /// The same with only some of the cases.
+    /// The same with some cases alone, those on request among them.
     ///
     /// # Errors
     /// [`StudyError::Scene`] for a name that is no case.
     pub fn only(mut self, cases: &[String]) -> Result<Self, StudyError> {
-        if let Some(name) = cases.iter().find(|name| !self.cases.contains(name)) {
-            let (name, available) = (name.clone(), self.cases);
+        if let Some(name) = cases.iter().find(|name| !self.all.contains(name)) {
+            let (name, available) = (name.clone(), self.all);
             return Err(powerhouse::Error::NoSuchCase { name, available }.into());
         }
-        self.cases.retain(|case| cases.contains(case));
+        let asked = self.all.iter().filter(|case| cases.contains(case));
+        self.cases = asked.cloned().collect();
         Ok(self)
     }
 
@@ -146,7 +154,7 @@ impl Sweep {
         Ok(self)
     }
 
-    /// The names of the cases.
+    /// The names of the cases that it runs: all but those on request, or those that were asked for.
     pub fn cases(&self) -> &[String] {
         &self.cases
     }

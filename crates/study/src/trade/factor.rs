@@ -1,6 +1,7 @@
 //! What a scene leaves to choose, as changes of its file.
 
 use powerhouse::Scene;
+use powerhouse::engine::StaticOptions;
 use powerhouse::model::ElementKind;
 use toml::{Table, Value};
 
@@ -9,6 +10,8 @@ const FULL: &str = "hex8-full";
 const ONE_POINT: &str = "hex8-one-point";
 /// Keys that belong to springs, not to dashpots alone.
 const OF_SPRINGS: [&str; 7] = ["a", "b", "distance", "x", "y", "z", "spreading"];
+/// Tolerances that stages of yielding rock still meet, and that the hand-over still takes.
+const MET: [f64; 2] = [1.0e-10, 1.0e-4];
 /// A spectrum of flat damping cannot be narrower.
 const NARROWEST_BAND: f64 = 1.5;
 
@@ -23,6 +26,8 @@ enum Change {
     Kernel(&'static str),
     /// Dashpots without springs.
     Dashpots,
+    /// The tolerance of every stage times a factor, brought between two limits if it was not beyond them.
+    Tolerance(f64, [f64; 2]),
     /// Flat damping in place of Rayleigh's, over the band of its two frequencies; or none.
     Damping { flat: bool },
 }
@@ -70,6 +75,16 @@ impl Level {
                     });
                 }
             }
+            Change::Tolerance(factor, [least, most]) => {
+                for stage in tables(file, "stage") {
+                    let own = stage.get("tolerance").and_then(number);
+                    let own = own.unwrap_or(StaticOptions::default().tolerance);
+                    stage.insert(
+                        "tolerance".into(),
+                        (factor * own).clamp(own.min(*least), own.max(*most)).into(),
+                    );
+                }
+            }
             Change::Damping { flat } => {
                 for part in tables(file, "part") {
                     let Some((ratio, band)) = rayleigh(part) else {
@@ -109,6 +124,7 @@ pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
         input(scene, file),
         damping(file),
         precision(file),
+        statics(file),
         output(scene, file),
     ];
     found.into_iter().flatten().collect()
@@ -250,6 +266,22 @@ fn precision(file: &Table) -> Option<Factor> {
     })
 }
 
+/// The tolerances of the stages, a hundredth of them, and a hundred times as much, as far as statics can
+/// meet them and a dynamic stage takes them over.
+fn statics(file: &Table) -> Option<Factor> {
+    file.get("stage")?.as_array()?;
+    let level = |name: &str, factor| Level::new(name, Change::Tolerance(factor, MET));
+    Some(Factor {
+        name: "statics",
+        levels: vec![
+            level("a hundredth", 0.01),
+            Level::own("as given"),
+            level("a hundred times", 100.0),
+        ],
+        own: 1,
+    })
+}
+
 /// The time between samples, and two and four times that.
 fn output(scene: &Scene, file: &Table) -> Option<Factor> {
     file.get("output")?.as_table()?;
@@ -303,4 +335,28 @@ pub(super) fn test_factors(levels: &[usize]) -> Vec<Factor> {
         own: 0,
     };
     levels.iter().map(factor).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tolerances of stages are those of the file or the default ones, a hundredth and a hundred times as
+    /// much, between what statics meet and what a run takes over.
+    #[test]
+    fn tolerances_stay_where_statics_can_meet_them() {
+        let text = "[[stage]]\ntolerance = 1e-6\n[[stage]]\n[[stage]]\ntolerance = 1e-11";
+        let file: Table = toml::from_str(text).unwrap();
+        let factor = statics(&file).unwrap();
+        let tolerances = |level: usize| -> Vec<f64> {
+            let mut file = file.clone();
+            factor.levels[level].apply(&mut file);
+            tables(&mut file, "stage")
+                .map(|stage| number(&stage["tolerance"]).unwrap())
+                .collect()
+        };
+        assert_eq!(tolerances(0), [1e-8, 1e-10, 1e-11]);
+        assert_eq!(tolerances(2), [1e-4, 1e-6, 1e-9]);
+        assert!(statics(&Table::new()).is_none());
+    }
 }
