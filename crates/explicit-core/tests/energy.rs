@@ -191,6 +191,27 @@ fn single_precision_closes_to_its_own_rounding() {
     assert!(report.energy_residual < 1e-3, "{}", report.energy_residual);
 }
 
+/// The tail of a pulse, far below what numbers of single precision hold, is no fault of the balance.
+#[test]
+fn motions_below_single_precision_are_no_fault() {
+    let mesh = hex_box([3, 3, 3], 1.0, 0.2);
+    let report = |precision: Precision| {
+        let mut model = Model::builder(&mesh)
+            .elements("rock", rock().precision(precision).boxed())
+            .gravity(Vec3::new(0.3, 0.2, -1.0) * 1e-39, Box::new(|_: f64| 1.0))
+            .support(Support::fixed(mesh.node_set("z0").unwrap().to_vec()))
+            .build()
+            .unwrap();
+        let options = RunOptions::steps(200)
+            .with_step(StepChoice::Unchecked(1e-5))
+            .with_energy(EnergyCheck::every(10));
+        go(&mut model, &Leapfrog, &options).unwrap()
+    };
+    let (double, single) = (report(Precision::F64), report(Precision::F32));
+    let lost = column(&single, "residual").abs() / column(&double, "loads");
+    assert!(lost > 1e-2, "{lost}: single precision holds this motion");
+}
+
 /// A set whose elements say that they hold less energy than their forces take is found and named.
 #[test]
 fn a_set_that_cheats_is_named() {

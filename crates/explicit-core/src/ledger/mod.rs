@@ -9,9 +9,10 @@ use std::collections::BTreeMap;
 use powerhouse_model::{BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, Vec3};
 use rayon::prelude::*;
 
-use crate::Model;
 use crate::groups::Groups;
+use crate::model::LEAST_SINGLE;
 use crate::nodes::{Storage, with_nodes};
+use crate::{Model, Precision};
 use sum::Sum;
 use work::NodalWork;
 
@@ -59,7 +60,7 @@ pub(crate) struct Ledger {
     origin: Option<f64>,
     /// Whether the first half of the present step is booked.
     half_booked: bool,
-    /// The largest energy held or put in so far (J).
+    /// The largest energy held or put in so far (J), or what counts as one.
     scale: f64,
 }
 
@@ -77,8 +78,14 @@ impl Model {
     /// Opens a ledger; `by_set` keeps a balance for each set, so that a fault names its set.
     pub(crate) fn open_ledger(&mut self, by_set: bool) {
         let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+        // Of motions that numbers of single precision do not hold the balance says nothing.
+        let scale = match self.precision {
+            Precision::F64 => 0.0,
+            _ => self.mass.iter().sum::<f64>() * LEAST_SINGLE * LEAST_SINGLE,
+        };
         let mut ledger = Ledger {
             by_set,
+            scale,
             ..Ledger::default()
         };
         for block in &self.blocks {
