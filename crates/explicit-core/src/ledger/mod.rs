@@ -10,11 +10,13 @@ use powerhouse_model::{BlockContext, BlockEnergy, ConstraintWork, MassDampingRul
 use rayon::prelude::*;
 
 use crate::groups::Groups;
-use crate::model::LEAST_SINGLE;
 use crate::nodes::{Storage, with_nodes};
 use crate::{Model, Precision};
 use sum::Sum;
 use work::NodalWork;
+
+/// Over what is lost, so that it is no residual.
+const FAR_ABOVE: f64 = 1.0e8;
 
 /// What the constraints reported, and what they really did in the present step.
 #[derive(Clone, Debug, Default)]
@@ -78,10 +80,9 @@ impl Model {
     /// Opens a ledger; `by_set` keeps a balance for each set, so that a fault names its set.
     pub(crate) fn open_ledger(&mut self, by_set: bool) {
         let mut places: BTreeMap<&str, usize> = BTreeMap::new();
-        // Of motions that numbers of single precision do not hold the balance says nothing.
         let scale = match self.precision {
             Precision::F64 => 0.0,
-            _ => self.mass.iter().sum::<f64>() * LEAST_SINGLE * LEAST_SINGLE,
+            _ => self.least_single_energy(),
         };
         let mut ledger = Ledger {
             by_set,
@@ -100,6 +101,14 @@ impl Model {
             ledger.set_of_block.push(set);
         }
         self.ledger = Some(Box::new(ledger));
+    }
+
+    /// An energy (J) far above what elements lose whose energy, or whose density of it, is below the
+    /// numbers of single precision: of motions with less the balance says nothing.
+    fn least_single_energy(&self) -> f64 {
+        let (low, high) = self.mesh.bounding_box();
+        let elements = self.mesh.element_count() as f64;
+        FAR_ABOVE * f64::from(f32::MIN_POSITIVE) * (elements + (high - low).product())
     }
 
     pub(crate) fn close_ledger(&mut self) {

@@ -25,7 +25,6 @@ use crate::stable_step::Spectrum;
 
 pub use builder::{ElementChoice, ModelBuilder};
 pub(crate) use dynamics::block_forces;
-pub(crate) use motion::LEAST_SINGLE;
 
 /// A constraint with the groups on which it acts.
 pub(crate) struct Bound {

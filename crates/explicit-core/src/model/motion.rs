@@ -345,7 +345,7 @@ impl Model {
 
 /// The range of motions (m, m/s) whose stresses and forces are numbers of single precision, 1e-38 to
 /// 1e38, whatever moduli and areas they are multiplied by.
-pub(crate) const LEAST_SINGLE: f64 = 1e-24;
+const LEAST_SINGLE: f64 = 1e-24;
 const MOST_SINGLE: f64 = 1e24;
 
 /// Refuses a motion whose forces leave the range of single precision. What is not finite is refused
