@@ -75,7 +75,7 @@ fn scattering(criterion: &mut Criterion) {
 fn interface(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("joint");
     group.sample_size(10);
-    for bricks in [10, 20, 40] {
+    for bricks in [12, 20, 40] {
         group.bench_function(format!("{bricks} bricks per wavelength"), |bench| {
             bench.iter(|| computed(0.5, bricks).expect("the column moves"));
         });

@@ -287,7 +287,7 @@ fn main() -> Outcome<()> {
         below_critical(40)?,
         past_critical(40)?,
         scattering(0.1, 32.0)?,
-        interface([10, 20, 40, 80])?,
+        interface([12, 20, 40, 80])?,
         softening()?,
     ];
     if std::env::args().any(|argument| argument == "bay") {
