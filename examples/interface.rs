@@ -29,16 +29,16 @@ pub fn closed_form(s: f64) -> [f64; 3] {
 /// # Errors
 /// A number of bricks that is no multiple of four; what keeps the model from running.
 pub fn computed(s: f64, bricks: usize) -> Outcome<([f64; 3], f64)> {
+    // Motion is seen a quarter of a wavelength from the interface.
+    if !bricks.is_multiple_of(4) {
+        return Err(format!("{bricks} bricks per wavelength are no multiple of four").into());
+    }
     let (frequency, amplitude, friction) = (5.0, 0.1, 0.6);
     let impedance = media::ROCK.density * media::ROCK.s_speed();
     let wavelength = media::ROCK.s_speed() / frequency;
     let parts = [(2 * bricks, media::ROCK), (bricks / 2, media::ROCK)];
     let column = Column::new(&parts, wavelength / bricks as f64)?;
     let (foot, top) = (column.level(0.0), column.level(2.5 * wavelength));
-    // Between sources, interface and ends, a quarter of a wavelength from the interface.
-    if !bricks.is_multiple_of(4) {
-        return Err(format!("{bricks} bricks per wavelength are no multiple of four").into());
-    }
     let watched = [1.75, 2.25].map(|place| column.level(place * wavelength)[0]);
     let seen = |joint: Box<dyn Constraint>| {
         let mut ends = BoundaryParts::default();
