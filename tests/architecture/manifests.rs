@@ -21,7 +21,7 @@ const SIX: [&str; 6] = [
     "powerhouse-io",
 ];
 
-/// The packages that nobody depends on and that are not published.
+/// The packages that are not published, and that no library depends on.
 const SHELVES: [&str; 3] = [
     "powerhouse-examples",
     "powerhouse-tests",
@@ -38,7 +38,12 @@ fn permitted(package: &str) -> Vec<&'static str> {
         "powerhouse-cli" => vec!["powerhouse", "powerhouse-study"],
         six if SIX.contains(&six) => vec![model],
         shelf if SHELVES.contains(&shelf) => {
-            [&["powerhouse", "powerhouse-study", model][..], &SIX].concat()
+            let mut below = [&["powerhouse", "powerhouse-study", model][..], &SIX].concat();
+            if shelf == "powerhouse-benches" {
+                // The problems that the examples solve are those whose cost is measured.
+                below.push("powerhouse-examples");
+            }
+            below
         }
         other => panic!("the package '{other}' has no place in the star yet"),
     }
