@@ -1,5 +1,5 @@
-//! Pairs that share no node with another, with effective masses that are the same in all
-//! directions: one pass. This is hot code.
+//! Pairs that share no node with another, with effective masses that are the same in all directions
+//! in which they move: one pass. This is hot code.
 
 use powerhouse_model::{
     ConstraintWork, ContactLaw, ContactState, JointPair, JointRecord, JointState, Mat3,
@@ -18,12 +18,39 @@ type Row = [f64; TILE];
 /// A vector of each pair of a tile, component by component.
 type Rows = [Row; 3];
 
-/// The value of an inverse effective mass that is the same in all directions.
-pub(super) fn isotropic(inverse_mass: &Mat3) -> Option<f64> {
-    let value = inverse_mass[(0, 0)];
-    let rest = (inverse_mass - Mat3::identity() * value).amax();
-    // Rounding of a 3 x 3 inversion.
-    (rest <= 1e-14 * value.abs()).then_some(value)
+/// What is left by the rounding of a 3 x 3 inversion.
+const ROUNDING: f64 = 1e-14;
+
+/// The inverse effective masses (1/kg) of a pair whose nodes resist alike in all directions, or in all
+/// but a tangent along which supports hold both of them, as at the ends of a slice: neither a motion
+/// nor a force ever has a part along that one.
+pub(super) fn alike(pair: &JointPair, side: &Side, inverse_mass: [&Mat3; 2]) -> Option<[f64; 2]> {
+    let both = |value: &dyn Fn(&Mat3) -> Option<f64>| {
+        let [first, second] = inverse_mass;
+        Some([value(first)?, value(second)?])
+    };
+    let isotropic = |matrix: &Mat3| {
+        let value = matrix[(0, 0)];
+        let rest = (matrix - Mat3::identity() * value).amax();
+        (rest <= ROUNDING * value.abs()).then_some(value)
+    };
+    let held_along = |axis: Vec3| {
+        let across = Mat3::identity() - axis * axis.transpose();
+        move |matrix: &Mat3| {
+            let value = 0.5 * matrix.trace();
+            let rest = (matrix - across * value).amax();
+            (rest <= ROUNDING * value.abs()).then_some(value)
+        }
+    };
+    let tangents = [pair.tangent, pair.normal.cross(&pair.tangent)];
+    let free = |axis: &&(usize, Vec3)| side.preload[axis.0] == 0.0;
+    let tangents = [(1, tangents[0]), (2, tangents[1])];
+    let tangents = tangents.iter().filter(free);
+    both(&isotropic).or_else(|| {
+        tangents
+            .copied()
+            .find_map(|(_, axis)| both(&held_along(axis)))
+    })
 }
 
 /// A pair with what depends on masses and step.

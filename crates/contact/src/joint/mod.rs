@@ -16,7 +16,7 @@ use powerhouse_model::{
 use crate::ContactError;
 use crate::connected::connected_pairs;
 use group::Group;
-use isolated::{IsolatedPair, Tile, isotropic};
+use isolated::{IsolatedPair, Tile, alike};
 use solve::Effort;
 
 /// What a pair starts with beside its geometry.
@@ -331,15 +331,16 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             let places: Vec<[u32; 2]> =
                 connected.iter().map(|&p| self.places[p as usize]).collect();
             if let ([index], [nodes]) = (&connected[..], &places[..]) {
-                let [first, second] = nodes.map(|node| &inverse_mass[node as usize]);
-                if let (Some(first), Some(second)) = (isotropic(first), isotropic(second)) {
-                    if first + second > 0.0 {
+                let masses = nodes.map(|node| &inverse_mass[node as usize]);
+                let (pair, side) = (self.pairs[*index as usize], self.sides[*index as usize]);
+                if let Some(inverse_mass) = alike(&pair, &side, masses) {
+                    if inverse_mass[0] + inverse_mass[1] > 0.0 {
                         isolated.push(IsolatedPair {
                             index: *index,
                             nodes: *nodes,
-                            pair: self.pairs[*index as usize],
-                            side: self.sides[*index as usize],
-                            inverse_mass: [first, second],
+                            pair,
+                            side,
+                            inverse_mass,
                         });
                     }
                     continue;

@@ -17,6 +17,8 @@ pub(crate) struct Bodies {
     pub(crate) dashpot: Vec<Mat3>,
     /// Masses that do not obey forces.
     pub(crate) fixed: Vec<bool>,
+    /// The part of a vector along which masses may move.
+    pub(crate) free: Mat3,
     pub(crate) displacement: Vec<Vec3>,
     pub(crate) velocity: Vec<Vec3>,
     pub(crate) step: f64,
@@ -33,6 +35,7 @@ impl Bodies {
             mass: mass.to_vec(),
             dashpot: vec![Mat3::zeros(); count],
             fixed: vec![false; count],
+            free: Mat3::identity(),
             displacement: vec![Vec3::zeros(); count],
             velocity: vec![Vec3::zeros(); count],
             step,
@@ -54,7 +57,7 @@ impl Bodies {
                 if self.fixed[body] {
                     return Mat3::zeros();
                 }
-                self.effective(body).try_inverse().unwrap()
+                self.free * self.effective(body).try_inverse().unwrap() * self.free
             })
             .collect()
     }

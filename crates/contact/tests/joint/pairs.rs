@@ -81,6 +81,49 @@ fn held_sides_stay_where_they_are() {
     assert_eq!(joint.isolated_count(), 0);
 }
 
+/// At the ends of a slice supports hold both sides along a tangent. Pairs there are corrected in one
+/// pass like all others, and move as they would without these supports; those with a traction along
+/// that tangent, which no motion answers, are not.
+#[test]
+fn pairs_held_along_a_tangent_slide_across_it() {
+    let law = || BondedCoulomb::unbonded(0.5, 0.4).unwrap();
+    for (k, preload) in [(0, 0.0), (1, 0.0), (2, 0.0), (5, -0.5)] {
+        let angle = 0.4 * f64::from(k);
+        let pair = JointPair::new([0, 1], Vec3::new(angle.sin(), 0.0, angle.cos()), 2.0);
+        let static_traction = |_: &JointPair| pair.normal * -3.0 + Vec3::y() * preload;
+        let make = || {
+            let joint = Joint::new("joint", vec![pair], law()).unwrap();
+            joint.with_preload(static_traction).unwrap()
+        };
+        let (mut held, mut free) = (make(), make());
+        let mut slice = Bodies::at_rest(&[2.0, 3.0], 1e-2);
+        let mut whole = slice.clone();
+        slice.free = Mat3::identity() - Vec3::y() * Vec3::y().transpose();
+        let mut slid = false;
+        for step in 0..60 {
+            let phase = 0.2 * f64::from(step);
+            let force = |body: usize| {
+                let along = Vec3::new(phase.sin(), 0.0, phase.cos());
+                along * (6.0 - 9.0 * body as f64)
+            };
+            slice.step(&mut held, force).unwrap();
+            assert!(slice.velocity.iter().all(|v| v.y.abs() < 1e-16));
+            if preload != 0.0 {
+                continue;
+            }
+            whole.step(&mut free, force).unwrap();
+            slid |= free.records()[0].state.contact == ContactState::Slide;
+            for (a, b) in slice.velocity.iter().zip(&whole.velocity) {
+                assert!((a - b).norm() < 1e-14, "{a} {b}");
+            }
+            let (a, b) = (held.records()[0].traction, free.records()[0].traction);
+            assert!((a - b).norm() < 1e-13, "{a} {b}");
+        }
+        assert_eq!(held.isolated_count(), usize::from(preload == 0.0));
+        assert!(slid || preload != 0.0);
+    }
+}
+
 /// An initial gap must be closed before anything is felt; then the sides stop each other there.
 #[test]
 fn a_gap_is_closed_before_anything_is_felt() {
