@@ -78,38 +78,48 @@ impl Bar {
         energy
     }
 
+    /// The grout, if the bar may slip in it.
+    pub(super) fn grout(&self) -> Option<&Grout> {
+        self.grout.as_ref()
+    }
+
+    /// Axial forces (N) of the segments of a bar without grout that are longer by `elongation` (m) since
+    /// the installation; they stand in the new state that this writes.
+    pub(super) fn stretch(&self, elongation: &[f64], old: &BarState, new: &mut BarState) {
+        new.spent = old.spent;
+        for (k, &elongation) in elongation.iter().enumerate() {
+            self.pull(k, elongation, old, new);
+        }
+    }
+
+    /// Writes the new state of a segment; yields its axial force (N).
+    fn pull(&self, k: usize, elongation: f64, old: &BarState, new: &mut BarState) -> f64 {
+        let trial = self.pretension + self.stiffness[k] * (elongation - old.plastic[k]);
+        let force = trial.clamp(-self.yield_force, self.yield_force);
+        let flow = (trial - force) / self.stiffness[k];
+        new.plastic[k] = old.plastic[k] + flow;
+        new.spent += 0.5 * (old.force[k] + force) * flow;
+        new.force[k] = force;
+        force
+    }
+
     /// Forces (N) along the axis at the two points of each segment that resist their axial
     /// displacements `moved` (m) since the installation; writes the new state. Nothing if the bar
-    /// finds no balance.
+    /// finds no balance in its grout.
     pub(super) fn forces(
         &self,
+        grout: &Grout,
         moved: &[[f64; 2]],
         old: &BarState,
         new: &mut BarState,
         out: &mut [[f64; 2]],
     ) -> Option<()> {
-        let places = match &self.grout {
-            None => None,
-            Some(grout) => Some(self.balance(grout, moved, old)?),
-        };
+        let w = self.balance(grout, moved, old)?;
         new.spent = old.spent;
         for k in 0..self.lengths.len() {
-            let elongation = match &places {
-                None => moved[k][1] - moved[k][0],
-                Some(w) => w[k + 1] - w[k],
-            };
-            let trial = self.pretension + self.stiffness[k] * (elongation - old.plastic[k]);
-            let force = trial.clamp(-self.yield_force, self.yield_force);
-            let flow = (trial - force) / self.stiffness[k];
-            new.plastic[k] = old.plastic[k] + flow;
-            new.spent += 0.5 * (old.force[k] + force) * flow;
-            new.force[k] = force;
-            let (Some(grout), Some(w)) = (&self.grout, &places) else {
-                out[k] = [-force, force];
-                continue;
-            };
+            self.pull(k, w[k + 1] - w[k], old, new);
             for end in 0..2 {
-                let (trial, held, stiffness) = self.grout_force(grout, (k, end), w, moved, old);
+                let (trial, held, stiffness) = self.grout_force(grout, (k, end), &w, moved, old);
                 let flow = (trial - held) / stiffness;
                 new.slip[k][end] = old.slip[k][end] + flow;
                 new.spent += 0.5 * (old.grout[k][end] + held) * flow;
@@ -117,14 +127,12 @@ impl Bar {
                 out[k][end] = -held;
             }
         }
-        if let Some(grout) = &self.grout {
-            let last = self.lengths.len() - 1;
-            if grout.head == BoltEnd::Anchored {
-                out[0][0] = -new.force[0];
-            }
-            if grout.toe == BoltEnd::Anchored {
-                out[last][1] = new.force[last];
-            }
+        let last = self.lengths.len() - 1;
+        if grout.head == BoltEnd::Anchored {
+            out[0][0] = -new.force[0];
+        }
+        if grout.toe == BoltEnd::Anchored {
+            out[last][1] = new.force[last];
         }
         Some(())
     }
@@ -247,26 +255,27 @@ impl Bar {
 
     /// The forces (N) at the two points of each segment under the elastic stiffness.
     pub(super) fn elastic(&self, moved: &[[f64; 2]], out: &mut [[f64; 2]]) {
-        if self.grout.is_none() {
+        let Some(grout) = self.grout else {
             for ((out, moved), stiffness) in out.iter_mut().zip(moved).zip(&self.stiffness) {
                 let force = stiffness * (moved[1] - moved[0]);
                 *out = [-force, force];
             }
             return;
-        }
+        };
+        let grout = Grout {
+            strength: f64::INFINITY,
+            ..grout
+        };
         let free = Self {
             yield_force: f64::INFINITY,
             pretension: 0.0,
-            grout: self.grout.map(|grout| Grout {
-                strength: f64::INFINITY,
-                ..grout
-            }),
+            grout: Some(grout),
             stiffness: self.stiffness.clone(),
             lengths: self.lengths.clone(),
         };
         let mut new = free.installed();
         let old = free.installed();
-        if free.forces(moved, &old, &mut new, out).is_none() {
+        if free.forces(&grout, moved, &old, &mut new, out).is_none() {
             out.fill([0.0; 2]);
         }
     }
@@ -365,7 +374,8 @@ mod tests {
                     *ends = if k < 6 { [0.0; 2] } else { [opened; 2] };
                 }
                 let (mut new, mut out) = (old.clone(), vec![[0.0; 2]; 12]);
-                bar.forces(&moved, &old, &mut new, &mut out).unwrap();
+                let grout = bar.grout().unwrap();
+                bar.forces(grout, &moved, &old, &mut new, &mut out).unwrap();
                 for k in 0..12 {
                     for end in 0..2 {
                         let mean = 0.5 * (out[k][end] + before[k][end]);

@@ -25,10 +25,18 @@ struct Bolt {
     hosts: Vec<u32>,
     /// Axial displacements (m) at which it was installed.
     reference: Vec<[f64; 2]>,
+    /// How much longer (m) its segments were then than without them.
+    slack: Vec<f64>,
     committed: BarState,
     /// That of the last forces, if it is not committed yet.
     latest: BarState,
     pending: bool,
+}
+
+/// Why a bolt has no forces, and at which of its segments.
+enum Stop {
+    NotFinite(usize),
+    NoBalance(usize),
 }
 
 /// All bolts of a set.
@@ -46,6 +54,7 @@ struct Room {
     line: Vec<f64>,
     moved: Vec<[f64; 2]>,
     forces: Vec<[f64; 2]>,
+    elongations: Vec<f64>,
 }
 
 impl Room {
@@ -83,6 +92,7 @@ impl BoltBlock {
                     hanging: Hanging::new(bolt.direction, points, place),
                     hosts: hosts.collect(),
                     reference: vec![[0.0; 2]; bolt.segments.len()],
+                    slack: vec![0.0; bolt.segments.len()],
                     committed: state.clone(),
                     latest: state,
                     pending: false,
@@ -96,6 +106,31 @@ impl BoltBlock {
             nodes,
             room: Room::default(),
         }
+    }
+
+    /// Sums up the forces (N) that resist the displacements (m) of engine nodes.
+    fn resist(&mut self, displacement: impl Fn(u32) -> Vec3) -> Result<(), ElementFault> {
+        let room = &mut self.room;
+        room.clear(self.nodes.len());
+        let value = |place: u32| displacement(self.nodes[place as usize]);
+        for (index, bolt) in self.bolts.iter_mut().enumerate() {
+            bolt.resist(value, room).map_err(|stop| {
+                let (segment, reason) = match stop {
+                    Stop::NotFinite(segment) => (
+                        segment,
+                        format!(
+                            "a node has a displacement that is not finite where bolt {index} crosses it"
+                        ),
+                    ),
+                    Stop::NoBalance(segment) => {
+                        (segment, format!("bolt {index} finds no balance in its grout"))
+                    }
+                };
+                let element = bolt.hosts[segment];
+                ElementFault { element, reason }
+            })?;
+        }
+        Ok(())
     }
 
     fn segment_count(&self) -> usize {
@@ -153,8 +188,49 @@ impl Bolt {
         }
     }
 
+    /// Adds the forces (N) that resist the displacements (m) at places since the installation.
+    fn resist(&mut self, value: impl Fn(u32) -> Vec3, room: &mut Room) -> Result<(), Stop> {
+        let (old, new) = (&self.committed, &mut self.latest);
+        let Some(grout) = self.bar.grout() else {
+            let stretched = &mut room.elongations;
+            self.hanging.elongations(value, &mut room.line, stretched);
+            for (elongation, slack) in stretched.iter_mut().zip(&self.slack) {
+                *elongation -= slack;
+            }
+            if let Some(segment) = stretched.iter().position(|e| !e.is_finite()) {
+                return Err(Stop::NotFinite(segment));
+            }
+            self.bar.stretch(stretched, old, new);
+            self.pending = true;
+            let sums = &mut room.sums;
+            (self.hanging).spread_tension(&new.force, &mut room.line, sums);
+            return Ok(());
+        };
+        self.hanging.axial(value, &mut room.line, &mut room.moved);
+        for (moved, reference) in room.moved.iter_mut().zip(&self.reference) {
+            *moved = [moved[0] - reference[0], moved[1] - reference[1]];
+        }
+        let broken = |ends: &[f64; 2]| ends.iter().any(|u| !u.is_finite());
+        if let Some(segment) = room.moved.iter().position(broken) {
+            return Err(Stop::NotFinite(segment));
+        }
+        room.clear_bolt(self.hosts.len());
+        let found = (self.bar).forces(grout, &room.moved, old, new, &mut room.forces);
+        self.pending = found.is_some();
+        if found.is_none() {
+            let stretch = |ends: &[f64; 2]| (ends[1] - ends[0]).abs();
+            let worst = room.moved.iter().map(stretch).enumerate();
+            let worst = worst.max_by(|a, b| a.1.total_cmp(&b.1));
+            return Err(Stop::NoBalance(worst.map_or(0, |(segment, _)| segment)));
+        }
+        let sums = &mut room.sums;
+        self.hanging.spread(&room.forces, &mut room.line, sums);
+        Ok(())
+    }
+
     /// As it is installed, with what was moved before.
     fn install(&mut self, reference: Vec<[f64; 2]>) {
+        self.slack = reference.iter().map(|ends| ends[1] - ends[0]).collect();
         self.reference = reference;
         self.committed = self.bar.installed();
         self.latest = self.committed.clone();
@@ -188,43 +264,11 @@ impl ElementBlock for BoltBlock {
         &self.nodes
     }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
-        let room = &mut self.room;
-        room.clear(self.nodes.len());
-        let value = |place: u32| {
-            let node = self.nodes[place as usize];
-            context.displacement.vector(node as usize)
-        };
-        for (index, bolt) in self.bolts.iter_mut().enumerate() {
-            bolt.hanging.axial(value, &mut room.line, &mut room.moved);
-            for (moved, reference) in room.moved.iter_mut().zip(&bolt.reference) {
-                *moved = [moved[0] - reference[0], moved[1] - reference[1]];
-            }
-            let broken = |ends: &[f64; 2]| ends.iter().any(|u| !u.is_finite());
-            if let Some(place) = room.moved.iter().position(broken) {
-                return Err(ElementFault {
-                    element: bolt.hosts[place],
-                    reason: format!(
-                        "a node has a displacement that is not finite where bolt {index} crosses it"
-                    ),
-                });
-            }
-            room.clear_bolt(bolt.hosts.len());
-            let (old, new) = (&bolt.committed, &mut bolt.latest);
-            let found = bolt.bar.forces(&room.moved, old, new, &mut room.forces);
-            bolt.pending = found.is_some();
-            if found.is_none() {
-                let stretch = |ends: &[f64; 2]| (ends[1] - ends[0]).abs();
-                let worst = room.moved.iter().map(stretch).enumerate();
-                let worst = worst.max_by(|a, b| a.1.total_cmp(&b.1));
-                return Err(ElementFault {
-                    element: bolt.hosts[worst.map_or(0, |(place, _)| place)],
-                    reason: format!("bolt {index} finds no balance in its grout"),
-                });
-            }
-            let sums = &mut room.sums;
-            bolt.hanging.spread(&room.forces, &mut room.line, sums);
+        match context.displacement {
+            NodalView::F64(u) => self.resist(|node| u[node as usize].to_vector())?,
+            NodalView::F32(u) => self.resist(|node| u[node as usize].to_vector())?,
         }
-        put(&room.sums, out);
+        put(&self.room.sums, out);
         Ok(())
     }
     fn commit(&mut self) {
