@@ -1,12 +1,15 @@
 //! What laws cost: a whole step with none, 5 % (one cluster) and all of the elements yielding, over
-//! the elastic step of the same run.
+//! the elastic step of the same run; and what the balance of energy adds, which scenes always keep.
 //!
 //! `cargo bench --bench law`; a word picks laws: `cargo bench --bench law -- mohr`. One thread;
 //! the least of many short runs, in time of the processor where the system tells it.
 
 use std::time::Instant;
 
-use powerhouse::engine::{BlockOptions, Hex8OnePoint, Leapfrog, Model, Precision, SolidKernel};
+use powerhouse::engine::{
+    BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, Precision, RunOptions, SolidKernel,
+    StepChoice, run,
+};
 use powerhouse::material::{
     ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LeeFenves,
     LinearElastic, Mazars, MohrCoulomb, ReferenceFrequency, RelaxationSpectrum, presets,
@@ -66,8 +69,13 @@ fn state(mesh: &Mesh, yielding: Yielding, step: f64) -> State {
     state
 }
 
-/// The least time of a step per element (ns), and the share of elements that yield in it.
-fn cost(law: &Material, mesh: &Mesh, yielding: Yielding, precision: Precision) -> (f64, f64) {
+/// A body of a law on one thread, a state of it, and a step (s).
+fn body<'m>(
+    law: &Material,
+    mesh: &'m Mesh,
+    yielding: Yielding,
+    precision: Precision,
+) -> (Model, State, f64) {
     let mut options = BlockOptions::default();
     options.precision = precision;
     let kernel = Kernel::from(SolidKernel::Hex8OnePoint(Hex8OnePoint::default()));
@@ -76,6 +84,40 @@ fn cost(law: &Material, mesh: &Mesh, yielding: Yielding, precision: Precision) -
     let mut model = builder.threads(1).build().expect("a sound model");
     let mut start = state(mesh, yielding, step);
     start.history = model.state().history;
+    (model, start, step)
+}
+
+/// The least time of a step per element (ns) in a run with a balance of energy, or without one: that of
+/// a long run less that of a short one.
+fn cost_of_run(law: &Material, mesh: &Mesh, yielding: Yielding, booked: bool) -> f64 {
+    let (mut model, start, step) = body(law, mesh, yielding, Precision::F64);
+    let mut time = |steps: usize| {
+        let runs = (0..REPETITIONS).map(|_| {
+            model.set_state(&start).expect("a state of the mesh");
+            let options = RunOptions::steps(steps as u64).with_step(StepChoice::Unchecked(step));
+            let check = EnergyCheck {
+                by_set: false,
+                ..EnergyCheck::every(u64::MAX)
+            };
+            let options = if booked {
+                options.with_energy(check)
+            } else {
+                options
+            };
+            let begun = Instant::now();
+            let before = clock(begun);
+            run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).expect("a stable run");
+            clock(begun) - before
+        });
+        runs.fold(f64::INFINITY, f64::min)
+    };
+    let [short, long] = [4, 12];
+    1e9 * (time(long) - time(short)) / ((long - short) * mesh.element_count()) as f64
+}
+
+/// The least time of a step per element (ns), and the share of elements that yield in it.
+fn cost(law: &Material, mesh: &Mesh, yielding: Yielding, precision: Precision) -> (f64, f64) {
+    let (mut model, start, step) = body(law, mesh, yielding, precision);
     let (mut least, mut share) = (f64::INFINITY, 0.0);
     for _ in 0..REPETITIONS {
         model.set_state(&start).expect("a state of the mesh");
@@ -130,6 +172,12 @@ fn compare(name: &str, law: impl Into<Material>, mesh: &Mesh) {
             told.join(", ")
         );
     }
+    let added = [Yielding::None, Yielding::Cluster].map(|yielding| {
+        let of = |booked| cost_of_run(&law, mesh, yielding, booked);
+        let (free, booked) = (of(false), of(true));
+        format!("{free:.1} to {booked:.1} ns = {:.2}", booked / free)
+    });
+    println!("{name:19} the balance of energy: {}", added.join(", "));
 }
 
 fn main() {

@@ -2,6 +2,7 @@
 
 mod bits;
 mod bonded_cavern;
+mod books;
 mod direction;
 mod joints;
 mod laws;

@@ -2,12 +2,12 @@
 
 use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, Quad};
 
-use super::Block;
 use super::batches::Batch;
 use super::numbers::AlignedNumbers;
 use super::operations::Energy;
 use super::survey::each_lane;
 use super::transfer::NodeScalar;
+use super::{Block, by_place};
 use crate::lanes::{BatchLane, BatchScalar};
 
 /// What a block remembers from step to step to account for damping and its law.
@@ -15,13 +15,17 @@ use crate::lanes::{BatchLane, BatchScalar};
 pub(super) struct Account<S> {
     /// The step that the rest belongs to.
     number: Option<u64>,
-    /// Velocity before that step (m/s), by place.
+    /// Velocity before that step (m/s), by place; empty if there was no damping.
     velocity: Vec<Quad<f64>>,
     /// Elastic and hourglass energy of that velocity taken as a displacement.
     velocity_energy: f64,
-    /// Stress at that step (Pa), for laws that are not linear.
+    /// Stress at that step (Pa) of the batches in its account, for laws that are not linear.
     stress: AlignedNumbers<S>,
-    /// What the points held at that step (J).
+    /// Which batches are in its account.
+    booked: Vec<bool>,
+    /// Whether the law tells what it takes.
+    told: bool,
+    /// What the points of these batches held at that step (J).
     stored: f64,
     /// What the steps took so far (J).
     spent: BlockEnergy,
@@ -34,6 +38,8 @@ impl<S: BatchScalar> Default for Account<S> {
             velocity: Vec::new(),
             velocity_energy: 0.0,
             stress: AlignedNumbers::zeros(0),
+            booked: Vec::new(),
+            told: false,
             stored: 0.0,
             spent: BlockEnergy::default(),
         }
@@ -49,23 +55,27 @@ impl<S: BatchScalar> Account<S> {
     pub(super) fn spent(&self) -> BlockEnergy {
         self.spent
     }
-    /// Stresses of the step before, so many numbers.
-    pub(super) fn stresses(&mut self, numbers: usize) -> &mut AlignedNumbers<S> {
+    /// Stresses of the step before, so many numbers, and which of so many batches were in its account.
+    pub(super) fn of_batches(&mut self, numbers: usize, batches: usize) -> (&mut [S], &mut [bool]) {
         if self.stress.as_slice().len() != numbers {
             self.stress = AlignedNumbers::zeros(numbers);
+            self.booked = vec![false; batches];
             self.number = None;
         }
-        &mut self.stress
+        (self.stress.as_mut_slice(), &mut self.booked)
     }
 }
 
-/// What all elements of a block did in a step (J).
+/// What the elements in the account of a block did in a step (J).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct StepSums {
     /// Work of the stresses.
     work: f64,
     /// Held at the end of the step.
     stored: f64,
+    /// Held at its start by those that came into the account in it, and at its end by those that left.
+    entered: f64,
+    left: f64,
     plastic: f64,
     damage: f64,
     recovered: f64,
@@ -74,6 +84,28 @@ pub(super) struct StepSums {
 }
 
 impl StepSums {
+    /// Notes what a batch held when it came into the account.
+    #[inline(always)]
+    pub(super) fn enter<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
+        &mut self,
+        held: L,
+        batch: &Batch<S, N>,
+    ) {
+        each_lane(held, batch, |_, held| self.entered += held);
+    }
+
+    /// Adds the last step of a batch that leaves the account, with what it holds after it.
+    #[inline(always)]
+    pub(super) fn leave<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
+        &mut self,
+        work: L,
+        held: L,
+        batch: &Batch<S, N>,
+    ) {
+        each_lane(work, batch, |_, work| self.work += work);
+        each_lane(held, batch, |_, held| self.left += held);
+    }
+
     /// Adds a batch, element after element, whatever its width.
     #[inline(always)]
     pub(super) fn add<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
@@ -110,12 +142,7 @@ where
     /// The stresses of other laws do the work `1/2 (sigma_0 + sigma_1) : de V` on the strain
     /// increment. What a law does not account for is booked apart; of laws that tell nothing it
     /// counts as plastic.
-    pub(super) fn book_step(
-        &mut self,
-        context: &BlockContext,
-        velocity: Vec<Quad<f64>>,
-        sums: &StepSums,
-    ) {
+    pub(super) fn book_step(&mut self, context: &BlockContext, sums: &StepSums) {
         let damping = self.coefficient(context);
         if self.is_linear() && damping == 0.0 {
             return;
@@ -124,8 +151,9 @@ where
         let follows = context.number > 0 && account.number == Some(context.number - 1);
 
         if damping != 0.0 {
+            let velocity = by_place(&self.nodes.numbers, context.velocity);
             let energy = self.elastic_form(&velocity);
-            if follows {
+            if follows && account.velocity.len() == velocity.len() {
                 let change: Vec<Quad<f64>> = velocity
                     .iter()
                     .zip(&account.velocity)
@@ -135,20 +163,24 @@ where
                 account.spent.damping += 0.5 * damping * context.step * (mixed + 2.0 * energy);
             }
             account.velocity_energy = energy;
+            account.velocity = velocity;
+        } else {
+            account.velocity.clear();
         }
 
         if !self.is_linear() {
+            account.told |= sums.told;
             if follows {
                 let spent = &mut account.spent;
                 spent.plastic += sums.plastic;
                 spent.damage += sums.damage;
                 spent.recovery -= sums.recovered;
-                let told =
-                    sums.stored - account.stored + sums.plastic + sums.damage - sums.recovered;
+                let gained = sums.stored + sums.left - sums.entered - account.stored;
+                let told = gained + sums.plastic + sums.damage - sums.recovered;
                 let rest = sums.work - told;
-                if sums.told && self.law.relaxes() {
+                if account.told && self.law.relaxes() {
                     spent.relaxation += rest;
-                } else if sums.told {
+                } else if account.told {
                     spent.integration += rest;
                 } else {
                     spent.plastic += rest;
@@ -158,7 +190,6 @@ where
         }
 
         account.number = Some(context.number);
-        account.velocity = velocity;
         self.account = account;
     }
 

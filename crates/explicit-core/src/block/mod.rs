@@ -173,10 +173,15 @@ where
             let numbers = self.places.as_slice().len() * P * 6;
             let mut account = core::mem::take(&mut self.account);
             let mut history = core::mem::take(&mut self.history);
-            let books = booked.as_mut().map(|(step, sums)| Books {
-                step: *step,
-                stresses: account.stresses(numbers).as_mut_slice(),
-                sums,
+            let batches = self.batches().count(self.arrangement.width);
+            let books = booked.as_mut().map(|(step, sums)| {
+                let (stresses, booked) = account.of_batches(numbers, batches);
+                Books {
+                    step: *step,
+                    stresses,
+                    booked,
+                    sums,
+                }
             });
             let rates = moves.then_some(Rates {
                 velocity: &local.velocity,
@@ -320,8 +325,7 @@ where
             return Err(fault);
         }
         if context.ledger {
-            let velocity = by_place(&self.nodes.numbers, context.velocity);
-            self.book_step(context, velocity, &sums);
+            self.book_step(context, &sums);
         }
         Ok(())
     }

@@ -7,7 +7,8 @@ use super::batches::Batches;
 use super::law::{BatchLaw, Memory, PointNumbers, Question};
 use super::numbers::Aligned;
 use super::survey::{
-    Summary, complementary_energy, each_lane, linear_energy, step_work, write_mean,
+    Summary, complementary_energy, each_lane, earlier, linear_energy, step_work, write_all,
+    write_mean,
 };
 use super::transfer::{gather, scatter};
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
@@ -124,13 +125,29 @@ pub(super) struct Rates<'a, A: BatchScalar, S> {
 }
 
 /// The account of a step.
+///
+/// Batches that are surely elastic, and were so a step before, are not in it: of them the work of a step
+/// is what they hold more after it.
 pub(super) struct Books<'a, S> {
     /// Length of the step (s).
     pub(super) step: f64,
-    /// Stresses of the step before, six numbers per point; those of this step afterwards.
+    /// Stresses of the step before, six numbers per point, of the batches that were in its account;
+    /// those of this step afterwards.
     pub(super) stresses: &'a mut [S],
-    /// What all elements did in the step.
+    /// Which batches were in the account of the step before; which are in this one afterwards.
+    pub(super) booked: &'a mut [bool],
+    /// What the elements in the account did in the step.
     pub(super) sums: &'a mut StepSums,
+}
+
+/// How a batch was answered.
+enum Answered<L, const P: usize> {
+    /// By Hooke's law.
+    Elastic,
+    /// By its law, without energies.
+    Plain,
+    /// By its law, with energies if it told them.
+    Told(Option<[LawEnergy<L>; P]>),
 }
 
 /// Forces of a law that is not linear; yields whether all is finite.
@@ -167,7 +184,6 @@ where
         let mut kept = Aligned([[[L::splat(token, 0.0); 3]; N]; AT_ONCE]);
         let wants_energy = self.survey.is_some()
             || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
-        let domain = self.domain.filter(|_| !wants_energy);
         let count = self.batches.count(L::WIDTH);
         let at_once = const { if P == 1 { AT_ONCE } else { 1 } };
         // The batches that the law was asked for last, and whether it told energies.
@@ -175,10 +191,11 @@ where
         for index in 0..count {
             if index >= end {
                 let (modes, strains) = self.deformed::<L>(token, index);
-                if let Some(domain) = domain
+                if let Some(domain) = self.domain
                     && let Some(stresses) = self.elastic_answer::<L>(domain, index, &strains)
                 {
-                    self.finish::<L>(index, modes, stresses, None, &mut rows.0, &mut watch);
+                    let answered = Answered::Elastic;
+                    self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
                     continue;
                 }
                 (first, end) = (index, count.min(index + at_once));
@@ -192,9 +209,13 @@ where
             }
             let place = index - first;
             let (stresses, energies) = passed.0.answer(token, place, told);
-            let energies = wants_energy.then_some(energies);
+            let answered = if wants_energy {
+                Answered::Told(energies)
+            } else {
+                Answered::Plain
+            };
             let modes = kept.0[place];
-            self.finish::<L>(index, modes, stresses, energies, &mut rows.0, &mut watch);
+            self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
         }
         watch.all_finite()
     }
@@ -337,15 +358,21 @@ where
         Some(changes)
     }
 
-    /// Forces and books of a batch with its changes of stress, and with energies if they are wanted
-    /// and told.
+    /// Whether a batch was in the account of the step before, if there is one.
+    #[inline(always)]
+    fn was_booked(&self, batch: usize) -> bool {
+        let books = self.rates.as_ref().and_then(|rates| rates.books.as_ref());
+        books.is_some_and(|books| books.booked[batch])
+    }
+
+    /// Forces and books of a batch with its changes of stress.
     #[inline(always)]
     fn finish<L: BatchLane<Scalar = S>>(
         &mut self,
         index: usize,
         mut modes: [[L; 3]; N],
         mut stresses: [Stress<L>; P],
-        energies: Option<Option<[LawEnergy<L>; P]>>,
+        answered: Answered<L, P>,
         rows: &mut [[[S; 4]; MOST_LANES]; N],
         watch: &mut Watch<L>,
     ) {
@@ -361,10 +388,15 @@ where
             }
         }
         let volumes = self.kernel.volumes(geometry);
-        let energy = energies.map(|energies| {
-            let undamaged = || complementary_energy(self.moduli, &volumes, &stresses);
-            Energy::over(&volumes, energies.as_ref(), undamaged)
-        });
+        let undamaged = || complementary_energy(self.moduli, &volumes, &stresses);
+        let asked = !matches!(answered, Answered::Elastic);
+        let energy = match answered {
+            Answered::Told(energies) => Some(Energy::over(&volumes, energies.as_ref(), undamaged)),
+            Answered::Elastic if self.was_booked(index) => {
+                Some(Energy::over(&volumes, None, undamaged))
+            }
+            Answered::Elastic | Answered::Plain => None,
+        };
         if let (Some(survey), Some(energy)) = (self.survey.as_deref_mut(), &energy) {
             write_mean(&volumes, &stresses, &batch, survey);
             each_lane(energy.sum.stored, &batch, |e, energy| {
@@ -374,7 +406,9 @@ where
                 each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
             }
         }
-        if let Some(rates) = &mut self.rates {
+        if let Some(rates) = &mut self.rates
+            && (rates.damping != 0.0 || energy.is_some())
+        {
             let velocity = self.batches.places.over(rates.velocity);
             let velocity = velocity.elements(batch.first, L::WIDTH);
             let mut nodal = [[L::splat(token, 0.0); 3]; N];
@@ -384,6 +418,14 @@ where
             if let (Some(books), Some(energy)) = (&mut rates.books, energy) {
                 let numbers = 6 * P * L::WIDTH;
                 let before = &mut books.stresses[index * numbers..(index + 1) * numbers];
+                if !core::mem::replace(&mut books.booked[index], asked) {
+                    // The step began under Hooke's law.
+                    let strains = self.kernel.strains(geometry, &modes);
+                    let began = earlier(self.moduli, books.step, &strains, &strain_rates);
+                    write_all(&began, before);
+                    let held = complementary_energy(self.moduli, &volumes, &began);
+                    books.sums.enter(held, &batch);
+                }
                 let work = step_work(
                     &geometry,
                     books.step,
@@ -392,7 +434,11 @@ where
                     &strain_rates,
                     before,
                 );
-                books.sums.add(work, &energy, &batch);
+                if asked {
+                    books.sums.add(work, &energy, &batch);
+                } else {
+                    books.sums.leave(work, energy.sum.stored, &batch);
+                }
             }
             let lambda = L::splat(token, rates.damping * self.moduli.lambda);
             let shear = L::splat(token, rates.damping * self.moduli.shear);

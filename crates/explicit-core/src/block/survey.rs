@@ -102,6 +102,40 @@ pub(super) fn complementary_energy<L: BatchLane, const P: usize>(
     energy
 }
 
+/// Elastic stresses a step (s) before these strains, which change at these rates (1/s).
+#[inline(always)]
+pub(super) fn earlier<L: BatchLane, const P: usize>(
+    moduli: Moduli,
+    step: f64,
+    strains: &[Strain<L>; P],
+    rates: &[Strain<L>; P],
+) -> [Stress<L>; P] {
+    let number = |value: f64| strains[0].0[0].constant(value);
+    let (lambda, shear, back) = (number(moduli.lambda), number(moduli.shear), number(-step));
+    let mut stresses = [Stress([back; 6]); P];
+    for p in 0..P {
+        let mut strain = strains[p];
+        for i in 0..6 {
+            strain.0[i] = rates[p].0[i].mul_add(back, strain.0[i]);
+        }
+        stresses[p] = Stress::elastic(lambda, shear, &strain);
+    }
+    stresses
+}
+
+/// Writes stresses where [`step_work`] takes those of the step before from.
+#[inline(always)]
+pub(super) fn write_all<L: BatchLane<Scalar = S>, S: BatchScalar, const P: usize>(
+    stresses: &[Stress<L>; P],
+    stored: &mut [S],
+) {
+    for p in 0..P {
+        for i in 0..6 {
+            stresses[p].0[i].store(&mut stored[(6 * p + i) * L::WIDTH..]);
+        }
+    }
+}
+
 /// Work of a step, `1/2 sum_p (sigma_0 + sigma_1) : rate dt V`; takes the stresses before it from
 /// `stored` (six numbers per point) and leaves those after it there.
 #[inline(always)]

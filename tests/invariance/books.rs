@@ -1,0 +1,118 @@
+//! The balance of energy leaves no trace in the motion, and does not ask laws where they are surely
+//! elastic.
+
+use powerhouse_explicit_core::{
+    BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, Precision, RunOptions, SolidKernel,
+    StepChoice, run,
+};
+use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};
+use powerhouse_model::{
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Mesh, Stress, Vec3,
+};
+
+/// A law that does not tell where it is elastic, so that it is asked everywhere.
+#[derive(Clone)]
+struct Asked<M>(M);
+
+impl<M: ConstitutiveLaw> ConstitutiveLaw for Asked<M> {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0.medium()
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        self.0.history()
+    }
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        self.0.stress_change(input, new_history)
+    }
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
+        self.0.energy(input, new_history)
+    }
+}
+
+/// A distorted beam that is bent until its foot yields and the rest does not: the bits of its motion, and
+/// the energies that were booked over as many steps, if they were.
+fn shaken<M: ConstitutiveLaw>(
+    (kernel, law, stiffness): (SolidKernel, M, f64),
+    steps: u64,
+    booked: bool,
+) -> (Vec<u64>, Vec<(&'static str, f64)>) {
+    let boxed = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 2.0, 8.0), [4, 4, 16], "rock");
+    let shift = |x: &Vec3| Vec3::new((3.0 * x.y).sin(), (2.0 * x.z).cos(), (2.5 * x.x).sin());
+    let mesh = boxed
+        .unwrap()
+        .map_positions(|x| x + 0.03 * shift(&x))
+        .unwrap();
+    let mut options = BlockOptions::default();
+    options.precision = Precision::F64;
+    options.damping.stiffness = stiffness;
+    let mut model = Model::builder(&mesh)
+        .elements("rock", kernel.factory("rock", law, options))
+        .part_size(48)
+        .build()
+        .unwrap();
+    let velocity = |x: &Vec3| Vec3::new((0.2 * x.z).powi(2), 0.1 * x.x, 0.05 * x.z);
+    let velocities: Vec<Vec3> = mesh.positions().iter().map(|x| velocity(x) * 0.6).collect();
+    let rest = vec![Vec3::zeros(); mesh.node_count()];
+    model.set_initial(&rest, &velocities).unwrap();
+    let mut options = RunOptions::steps(steps).with_step(StepChoice::Unchecked(2e-5));
+    if booked {
+        options = options.with_energy(EnergyCheck::every(10));
+    }
+    let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+    let state = model.state();
+    let motion = state.displacement.iter().chain(&state.velocity);
+    let history = state.history.iter().flat_map(|field| &field.values);
+    let numbers = motion.flat_map(|v| v.iter()).chain(history);
+    (numbers.map(|n| n.to_bits()).collect(), report.energies)
+}
+
+/// With the balance and without it the motion has the same bits, and where the law is asked everywhere
+/// the balance says the same: nothing is lost where batches of elements come into its account and leave
+/// it again.
+fn check<M: ConstitutiveLaw>(kernel: SolidKernel, law: &M, stiffness: f64) {
+    let mut spent = 0.0_f64;
+    for steps in [40, 120, 400] {
+        let of = |booked| shaken((kernel, law.clone(), stiffness), steps, booked);
+        let asked = shaken((kernel, Asked(law.clone()), stiffness), steps, true);
+        let (booked, free) = (of(true), of(false));
+        assert!(booked.0 == free.0 && booked.0 == asked.0, "{}", law.name());
+        let column = |energies: &[(&str, f64)], name: &str| {
+            energies
+                .iter()
+                .find(|(column, _)| *column == name)
+                .unwrap()
+                .1
+        };
+        let initial = column(&booked.1, "initial");
+        for (name, energy) in &booked.1 {
+            let other = column(&asked.1, name);
+            let off = (energy - other).abs() / initial;
+            assert!(off < 1e-13, "{} {name}: {energy} {other}", law.name());
+        }
+        let residual = column(&booked.1, "residual").abs() / initial;
+        assert!(residual < 1e-12, "{}: {residual}", law.name());
+        spent = column(&booked.1, "plastic") + column(&booked.1, "damage");
+        spent /= initial;
+    }
+    assert!(spent > 1e-3 && spent < 0.5, "{}: {spent}", law.name());
+}
+
+#[test]
+fn a_balance_is_kept_of_what_is_not_surely_elastic() {
+    let one_point = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
+    let rock = ElastoPlastic::new(MohrCoulomb::new(presets::PAPER_ROCK).unwrap());
+    check(one_point, &rock, 0.0);
+    check(SolidKernel::Hex8Full, &rock, 2e-6);
+}
+
+#[test]
+fn so_it_is_of_laws_with_damage() {
+    check(
+        SolidKernel::Hex8Full,
+        &presets::paper_concrete().unwrap(),
+        0.0,
+    );
+}
