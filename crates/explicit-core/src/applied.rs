@@ -1,4 +1,7 @@
 //! Loads as the engine applies them: evaluated side by side, summed in a fixed order.
+//!
+//! Loads that do not change with time are evaluated, summed and written once; their work follows from
+//! the displacement when somebody asks for it. The weight of a body at rest costs its steps nothing.
 
 use powerhouse_model::{NodalLoad, Quad, Vec3};
 use rayon::prelude::*;
@@ -36,9 +39,12 @@ impl Places {
         }
     }
     #[inline]
+    fn of(&self, key_place: usize) -> &[u32] {
+        &self.places[self.offsets[key_place] as usize..self.offsets[key_place + 1] as usize]
+    }
+    #[inline]
     fn sum(&self, key_place: usize, forces: &[Vec3]) -> Vec3 {
-        let range = self.offsets[key_place] as usize..self.offsets[key_place + 1] as usize;
-        let places = self.places[range].iter();
+        let places = self.of(key_place).iter();
         places.fold(Vec3::zeros(), |sum, &place| sum + forces[place as usize])
     }
 }
@@ -63,8 +69,16 @@ pub(crate) struct LoadSums {
     forces: Vec<Vec3>,
     /// How many forces each load has, the standing ones last.
     lengths: Vec<usize>,
+    /// Whether these are the same at all times.
+    constant: Vec<bool>,
     plain: Places,
     grouped: Places,
+    /// Which keys of `plain` have forces that change.
+    changing: Vec<u32>,
+    /// Whether the forces of constant loads are known.
+    known: bool,
+    /// Whether all sums at plain nodes have been written.
+    written: bool,
 }
 
 impl AppliedLoads {
@@ -78,12 +92,14 @@ impl AppliedLoads {
     ) -> Self {
         let mut lengths: Vec<usize> = loads.iter().map(|(_, nodes)| nodes.len()).collect();
         lengths.push(0);
+        let mut constant: Vec<bool> = loads.iter().map(|(load, _)| load.is_constant()).collect();
+        constant.push(true);
         let nodes: Vec<u32> = loads.iter().flat_map(|(_, nodes)| nodes).copied().collect();
         Self {
             loads: loads.into_iter().map(|(load, _)| load).collect(),
             own,
             standing: Vec::new(),
-            sums: LoadSums::new(nodes, lengths, group_of, group_count),
+            sums: LoadSums::new(nodes, lengths, constant, (group_of, group_count)),
         }
     }
 
@@ -116,7 +132,8 @@ impl AppliedLoads {
         nodes.extend_from_slice(&held);
         let mut lengths = core::mem::take(&mut self.sums.lengths);
         lengths.push(held.len());
-        self.sums = LoadSums::new(nodes, lengths, group_of, group_count);
+        let constant = core::mem::take(&mut self.sums.constant);
+        self.sums = LoadSums::new(nodes, lengths, constant, (group_of, group_count));
         self.standing = forces;
         self.sums.put_standing(&self.standing);
     }
@@ -143,12 +160,18 @@ impl AppliedLoads {
         }
     }
 
-    /// Evaluates every load at a time (s).
+    /// Evaluates the loads at a time (s): those that change, and the others if they are not known yet.
     pub(crate) fn evaluate(&mut self, time: f64) {
+        let all = !core::mem::replace(&mut self.sums.known, true);
+        let constant = &self.sums.constant;
         let buffers = split(&mut self.sums.forces, &self.sums.lengths);
-        self.loads
-            .par_iter_mut()
-            .zip(buffers)
+        let wanted: Vec<_> = (self.loads.iter_mut().zip(buffers))
+            .zip(constant)
+            .filter(|(_, constant)| all || !**constant)
+            .map(|(load, _)| load)
+            .collect();
+        wanted
+            .into_par_iter()
             .with_max_len(1)
             .for_each(|(load, forces)| {
                 forces.fill(Vec3::zeros());
@@ -161,8 +184,8 @@ impl LoadSums {
     fn new(
         nodes: Vec<u32>,
         lengths: Vec<usize>,
-        group_of: &[Option<u32>],
-        group_count: usize,
+        constant: Vec<bool>,
+        (group_of, group_count): (&[Option<u32>], usize),
     ) -> Self {
         let (mut plain, mut grouped) = (Vec::new(), Vec::new());
         for (place, &node) in nodes.iter().enumerate() {
@@ -171,12 +194,23 @@ impl LoadSums {
                 None => plain.push((node, place as u32)),
             }
         }
+        let plain = Places::new(plain, None);
+        let of_load = (constant.iter().zip(&lengths))
+            .flat_map(|(&constant, &length)| core::iter::repeat_n(!constant, length));
+        let changes: Vec<bool> = of_load.collect();
+        let changing = (0..plain.keys.len() as u32)
+            .filter(|&key| plain.of(key as usize).iter().any(|&p| changes[p as usize]))
+            .collect();
         Self {
             forces: vec![Vec3::zeros(); nodes.len()],
             nodes,
             lengths,
-            plain: Places::new(plain, None),
+            constant,
+            plain,
             grouped: Places::new(grouped, Some(group_count as u32)),
+            changing,
+            known: false,
+            written: false,
         }
     }
 
@@ -194,22 +228,28 @@ impl LoadSums {
         !self.plain.keys.is_empty()
     }
 
-    /// Writes the sums at plain nodes.
-    pub(crate) fn write_plain<S: Storage>(&self, external: &mut [Quad<S>]) {
-        let keys = &self.plain.keys;
+    /// Writes the sums at plain nodes; those that stay as they are were written by the first call.
+    pub(crate) fn write_plain<S: Storage>(&mut self, external: &mut [Quad<S>]) {
+        let every: Vec<u32>;
+        let wanted = if core::mem::replace(&mut self.written, true) {
+            &self.changing
+        } else {
+            every = (0..self.plain.keys.len() as u32).collect();
+            &every
+        };
+        let node_of = |key: u32| self.plain.keys[key as usize] as usize;
         external
             .par_chunks_mut(CHUNK)
             .enumerate()
             .for_each(|(chunk, external)| {
                 let start = chunk * CHUNK;
-                let first = keys.partition_point(|&node| (node as usize) < start);
-                let end = start + external.len();
-                for (place, &node) in keys.iter().enumerate().skip(first) {
-                    if node as usize >= end {
+                let first = wanted.partition_point(|&key| node_of(key) < start);
+                for &key in &wanted[first..] {
+                    let Some(external) = external.get_mut(node_of(key) - start) else {
                         break;
-                    }
-                    let sum = self.plain.sum(place, &self.forces);
-                    external[node as usize - start] = Quad::from_vector(&sum);
+                    };
+                    let sum = self.plain.sum(key as usize, &self.forces);
+                    *external = Quad::from_vector(&sum);
                 }
             });
     }
@@ -220,16 +260,37 @@ impl LoadSums {
         self.grouped.sum(group, &self.forces)
     }
 
-    /// The power (W) of all loads at velocities (m/s), summed in a fixed order.
+    /// The power (W) of the loads that change, at velocities (m/s), summed in a fixed order.
     pub(crate) fn power(&self, velocity: impl Fn(usize) -> Vec3 + Sync) -> f64 {
-        let chunks: Vec<f64> = (self.nodes.par_chunks(CHUNK))
-            .zip(self.forces.par_chunks(CHUNK))
-            .map(|(nodes, forces)| {
-                let pairs = nodes.iter().zip(forces);
-                pairs.map(|(&n, f)| f.dot(&velocity(n as usize))).sum()
-            })
-            .collect();
-        chunks.iter().sum()
+        self.product(false, velocity)
+    }
+
+    /// What the constant loads would do (J) over displacements (m): the difference of two of these is
+    /// their work between.
+    pub(crate) fn potential(&self, displacement: impl Fn(usize) -> Vec3 + Sync) -> f64 {
+        self.product(true, displacement)
+    }
+
+    /// The product of the forces of loads that are constant, or of those that are not, with vectors at
+    /// their nodes.
+    fn product(&self, constant: bool, vector: impl Fn(usize) -> Vec3 + Sync) -> f64 {
+        let (mut sum, mut start) = (0.0, 0);
+        for (&length, &is_constant) in self.lengths.iter().zip(&self.constant) {
+            let own = start..start + length;
+            start = own.end;
+            if is_constant != constant {
+                continue;
+            }
+            let chunks: Vec<f64> = (self.nodes[own.clone()].par_chunks(CHUNK))
+                .zip(self.forces[own].par_chunks(CHUNK))
+                .map(|(nodes, forces)| {
+                    let pairs = nodes.iter().zip(forces);
+                    pairs.map(|(&n, f)| f.dot(&vector(n as usize))).sum()
+                })
+                .collect();
+            sum += chunks.iter().sum::<f64>();
+        }
+        sum
     }
 }
 

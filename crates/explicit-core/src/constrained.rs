@@ -95,7 +95,7 @@ impl ConstrainedNodes {
     }
 
     /// Predicts the velocity of the nodes of a tile, those with nothing but a mass from the forces on
-    /// them, the others by `kicked`, which gives the velocities before and after. If the nodes have
+    /// them, the others by `kicked`, which gives the velocities before and after first. If the nodes have
     /// `moved` by a step (s) since the last kick, with `motion.previous`, there is no need to look
     /// where they are.
     pub(crate) fn kick<S: Storage>(
@@ -104,7 +104,7 @@ impl ConstrainedNodes {
         motion: ConstrainedMotion,
         arrays: &NodalArrays<S>,
         applied: impl Fn(usize) -> Vec3,
-        kicked: impl Fn(usize) -> [Vec3; 2],
+        kicked: impl Fn(usize) -> [Vec3; 3],
     ) {
         let start = tile * TILE;
         let count = motion.next.len();
@@ -140,7 +140,7 @@ impl ConstrainedNodes {
                 let force = applied(g) - sums[i].to_vector();
                 motion.next[i] = motion.previous[i] * bare.carry + force * bare.response;
             } else {
-                [motion.previous[i], motion.next[i]] = kicked(g);
+                [motion.previous[i], motion.next[i], _] = kicked(g);
             }
         }
     }

@@ -141,6 +141,8 @@ pub(crate) struct GroupMotion {
     pub(crate) previous: Vec<Vec3>,
     /// Velocity after the step (m/s), by group.
     pub(crate) next: Vec<Vec3>,
+    /// How far the springs of the groups behind those of constraints are stretched (m).
+    stretch: Vec<Vec3>,
 }
 
 impl GroupMotion {
@@ -172,6 +174,7 @@ impl GroupMotion {
             moved: None,
             previous: vec![Vec3::zeros(); kicked],
             next: vec![Vec3::zeros(); kicked],
+            stretch: vec![Vec3::zeros(); kicked - constrained],
         }
     }
 
@@ -202,28 +205,41 @@ impl GroupMotion {
     }
 }
 
-/// What the kick of a group needs if all its matrices are diagonal and it has one member, as
-/// on the faces of a box: a line and a half of cache instead of eight.
+/// What the kick of a group and its work need if all its matrices are diagonal and it has one member,
+/// as on the faces of a box: two lines of cache instead of eight.
 #[derive(Clone, Copy, Debug)]
-struct Light {
+pub(crate) struct Light {
     lead: u32,
     diagonal: bool,
+    /// Whether it has a prescribed motion.
+    driven: bool,
     carry: Vec3,
     /// `P` times the step (s/kg).
     response: Vec3,
-    spring: Vec3,
+    /// Spring (N/m), dashpot (N s/m) and mass damping (kg/s).
+    pub(crate) spring: Vec3,
+    pub(crate) dashpot: Vec3,
+    pub(crate) mass_damping: f64,
 }
 
 impl Light {
     fn new(group: &Group, matrices: &Coefficients, step: f64) -> Self {
         let is_diagonal = |m: &Mat3| *m == Mat3::from_diagonal(&m.diagonal());
-        let all = [&matrices.carry, &matrices.inverse, &group.spring];
+        let all = [
+            &matrices.carry,
+            &matrices.inverse,
+            &group.spring,
+            &group.dashpot,
+        ];
         Self {
             lead: group.members[0],
             diagonal: group.members.len() == 1 && all.into_iter().all(is_diagonal),
             carry: matrices.carry.diagonal(),
             response: matrices.inverse.diagonal() * step,
             spring: group.spring.diagonal(),
+            dashpot: group.dashpot.diagonal(),
+            mass_damping: group.mass_damping,
+            driven: !group.condition.prescribed.is_empty(),
         }
     }
 }
@@ -265,6 +281,14 @@ impl Groups {
         self.motion.next.len()
     }
 
+    /// The group of each node that is kicked with one.
+    pub(crate) fn kicked_of(&self, group_of: &[Option<u32>]) -> Vec<Option<u32>> {
+        group_of
+            .iter()
+            .map(|&group| self.if_kicked(group))
+            .collect()
+    }
+
     /// Nodes have a group only if it is kicked.
     #[inline]
     pub(crate) fn if_kicked(&self, group: Option<u32>) -> Option<u32> {
@@ -281,6 +305,15 @@ impl Groups {
             .map(|(group, matrices)| Light::new(group, matrices, step))
             .collect();
         self.constrained.prepare(&self.groups, rule, step);
+    }
+
+    /// What a group needs that belongs to no constraint, follows no prescribed motion and acts along each
+    /// axis by itself, and how far its spring was stretched at the last kick (m).
+    #[inline]
+    pub(crate) fn light(&self, group: usize) -> Option<(&Light, &Vec3)> {
+        let stretch = &self.motion.stretch[group.checked_sub(self.constrained.count())?];
+        let light = &self.light[group];
+        (light.diagonal && !light.driven).then_some((light, stretch))
     }
 
     /// The effective mass (kg) of the group of a constraint's node that has nothing but a mass.
@@ -306,8 +339,8 @@ impl Groups {
             origin,
             ..
         } = self;
-        // Velocity before and after the step.
-        let kicked = |g: usize| -> [Vec3; 2] {
+        // Velocity before and after the step, and how far the spring is stretched.
+        let kicked = |g: usize| -> [Vec3; 3] {
             let light = &light[g];
             let lead = light.lead as usize;
             let mut force = applied(g) - arrays.internal(slots, lead);
@@ -316,7 +349,8 @@ impl Groups {
             if light.diagonal {
                 force -= light.spring.component_mul(&stretch);
                 let carried = light.carry.component_mul(&previous);
-                return [previous, carried + light.response.component_mul(&force)];
+                let next = carried + light.response.component_mul(&force);
+                return [previous, next, stretch];
             }
             let (group, matrices) = (&groups[g], &coefficients[g]);
             for &node in &group.members[1..] {
@@ -324,7 +358,7 @@ impl Groups {
             }
             force -= group.spring * stretch;
             let next = matrices.carry * previous + matrices.inverse * (force * step);
-            [previous, next]
+            [previous, next, stretch]
         };
         let moved = motion.moved.take();
         if moved.is_some() {
@@ -350,9 +384,12 @@ impl Groups {
         other_next
             .par_iter_mut()
             .zip(other_previous)
+            .zip(&mut motion.stretch)
             .enumerate()
             .with_min_len(256)
-            .for_each(|(g, (next, previous))| [*previous, *next] = kicked(count + g));
+            .for_each(|(g, ((next, previous), stretch))| {
+                [*previous, *next, *stretch] = kicked(count + g);
+            });
     }
 
     /// Adds the prescribed motion: `displacement` gives the value of each motion (m) at the end

@@ -2,15 +2,18 @@
 
 mod support;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use powerhouse_explicit_core::{
     BlockFactory, BlockOptions, BlockPart, EnergyCheck, Leapfrog, Model, ModelBuilder, NodalForce,
     OneSided, Precision, Prescribed, RunOptions, RunReport, StepChoice, Support, run,
 };
 use powerhouse_model::{
-    BlockContext, BlockEnergy, BoundaryParts, Constraint, ConstraintWork, ElementBlock,
+    BlockContext, BlockEnergy, BoundaryParts, Constant, Constraint, ConstraintWork, ElementBlock,
     ElementFault, ElementKind, FrequencyBound, HistoryField, Mat3, Mesh, ModelError,
-    NodalImpedance, NodalView, NodalViewMut, Operator, PredictedMotion, RunError, Stress,
-    TimeIntegrator, Vec3,
+    NodalImpedance, NodalLoad, NodalView, NodalViewMut, Operator, PredictedMotion, RunError,
+    Stress, TimeFunction, TimeIntegrator, Vec3,
 };
 use support::{Links, hex_box, random_vectors};
 
@@ -189,6 +192,74 @@ fn single_precision_closes_to_its_own_rounding() {
     let options = RunOptions::steps(2_000).with_energy(EnergyCheck::every(50));
     let report = go(&mut model, &Leapfrog, &options).unwrap();
     assert!(report.energy_residual < 1e-3, "{}", report.energy_residual);
+}
+
+/// The same pull on every node, and how often it was asked for.
+struct Pull {
+    nodes: Vec<u32>,
+    constant: bool,
+    asked: Arc<AtomicUsize>,
+}
+impl NodalLoad for Pull {
+    fn name(&self) -> &str {
+        "pull"
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    fn add_forces(&mut self, _time: f64, forces: &mut [Vec3]) {
+        self.asked.fetch_add(1, Ordering::Relaxed);
+        for force in forces {
+            *force += Vec3::new(40.0, -70.0, 11.0);
+        }
+    }
+    fn is_constant(&self) -> bool {
+        self.constant
+    }
+}
+
+/// Loads that say that they do not change are asked for once, move the body as those that do not, and
+/// their work is the same: of the displacement, not of the velocities step by step.
+#[test]
+fn the_work_of_constant_loads_is_that_of_their_displacement() {
+    let mesh = hex_box([3, 3, 3], 1.0, 0.2);
+    let moved = |precision: Precision, constant: bool| {
+        let asked = Arc::new(AtomicUsize::new(0));
+        let weight: Box<dyn TimeFunction> = if constant {
+            Box::new(Constant(0.7))
+        } else {
+            Box::new(|_: f64| 0.7)
+        };
+        let mut model = box_with_input(&mesh, rock().precision(precision))
+            .gravity(Vec3::new(0.0, 0.3, -9.81), weight)
+            .load(Box::new(Pull {
+                nodes: (10..40).collect(),
+                constant,
+                asked: asked.clone(),
+            }))
+            .build()
+            .unwrap();
+        let options = RunOptions::steps(600).with_energy(EnergyCheck::every(50));
+        let report = go(&mut model, &Leapfrog, &options).unwrap();
+        let asked = asked.load(Ordering::Relaxed);
+        assert!(if constant { asked == 1 } else { asked >= 600 }, "{asked}");
+        (model.state(), report)
+    };
+    for (precision, close, balance) in [
+        (Precision::F64, 1e-13, 1e-13),
+        (Precision::Mixed, 1e-13, 1e-5),
+        (Precision::F32, 1e-3, 1e-3),
+    ] {
+        let ((once, own), (each, other)) = (moved(precision, true), moved(precision, false));
+        assert_eq!(once.displacement, each.displacement);
+        let (own_work, work) = (column(&own, "loads"), column(&other, "loads"));
+        assert!(work.abs() > 1e-3);
+        assert!(
+            (own_work - work).abs() < close * work.abs(),
+            "{own_work} {work}"
+        );
+        assert!(own.energy_residual < balance, "{}", own.energy_residual);
+    }
 }
 
 /// The tail of a pulse, far below what numbers of single precision hold, is no fault of the balance.

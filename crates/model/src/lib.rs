@@ -59,7 +59,7 @@ pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, LawInput, PointAdapter, PointLaw,
     point_energy, point_stress_change,
 };
-pub use load::{NodalLoad, Table, TimeFunction};
+pub use load::{Constant, NodalLoad, Table, TimeFunction};
 pub use medium::ElasticMedium;
 pub use mesh::{
     Axis, ElementKind, Facet, FacetGeometry, Located, Mesh, MeshBuilder, MeshError, NodeTributary,

@@ -13,11 +13,36 @@ use crate::{ParameterError, Vec3};
 pub trait TimeFunction: Send + Sync {
     /// The value at a time.
     fn value(&self, time: f64) -> f64;
+    /// Whether it is the same at all times. Loads that do not change are evaluated once.
+    fn is_constant(&self) -> bool {
+        false
+    }
 }
 
 impl<F: Fn(f64) -> f64 + Send + Sync> TimeFunction for F {
     fn value(&self, time: f64) -> f64 {
         self(time)
+    }
+}
+
+/// The same number at all times.
+///
+/// ```
+/// use powerhouse_model::{Constant, TimeFunction};
+/// assert_eq!(Constant(9.81).value(3.0), 9.81);
+/// assert!(Constant(1.0).is_constant());
+/// let closure = |_: f64| 1.0;
+/// assert!(!closure.is_constant(), "nobody knows");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constant(pub f64);
+
+impl TimeFunction for Constant {
+    fn value(&self, _time: f64) -> f64 {
+        self.0
+    }
+    fn is_constant(&self) -> bool {
+        true
     }
 }
 
@@ -74,6 +99,11 @@ impl TimeFunction for Table {
             v0
         }
     }
+    fn is_constant(&self) -> bool {
+        self.points
+            .iter()
+            .all(|point| point[1] == self.points[0][1])
+    }
 }
 
 /// Forces at some nodes as a function of time.
@@ -96,4 +126,8 @@ pub trait NodalLoad: Send {
     fn nodes(&self) -> &[u32];
     /// Adds the forces (N) at a time (s), in the order of [`nodes`](Self::nodes).
     fn add_forces(&mut self, time: f64, forces: &mut [Vec3]);
+    /// Whether the forces are the same at all times: the engine then asks for them once.
+    fn is_constant(&self) -> bool {
+        false
+    }
 }

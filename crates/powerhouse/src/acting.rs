@@ -9,8 +9,24 @@ pub(crate) type SharedFunction = Arc<dyn TimeFunction>;
 
 /// A function for one more model: as it is, or held at its value at a time (s).
 pub(crate) fn function(shared: &SharedFunction, held_at: Option<f64>) -> Box<dyn TimeFunction> {
-    let shared = shared.clone();
-    Box::new(move |time: f64| shared.value(held_at.unwrap_or(time)))
+    Box::new(Shared {
+        function: shared.clone(),
+        held_at,
+    })
+}
+
+struct Shared {
+    function: SharedFunction,
+    held_at: Option<f64>,
+}
+
+impl TimeFunction for Shared {
+    fn value(&self, time: f64) -> f64 {
+        self.function.value(self.held_at.unwrap_or(time))
+    }
+    fn is_constant(&self) -> bool {
+        self.held_at.is_some() || self.function.is_constant()
+    }
 }
 
 /// A load from where it is named on, and the stage that takes it off again, if one does.
@@ -34,6 +50,7 @@ pub(crate) struct SharedLoad {
     name: Arc<str>,
     nodes: Arc<[u32]>,
     load: Arc<Mutex<Box<dyn NodalLoad>>>,
+    constant: bool,
     held_at: Option<f64>,
 }
 
@@ -42,6 +59,7 @@ impl SharedLoad {
         Self {
             name: load.name().into(),
             nodes: load.nodes().into(),
+            constant: load.is_constant(),
             load: Arc::new(Mutex::new(load)),
             held_at: None,
         }
@@ -66,5 +84,8 @@ impl NodalLoad for SharedLoad {
         // A load that panicked elsewhere has ended that run; its own state is whole or its business.
         let mut load = self.load.lock().unwrap_or_else(PoisonError::into_inner);
         load.add_forces(self.held_at.unwrap_or(time), forces);
+    }
+    fn is_constant(&self) -> bool {
+        self.constant || self.held_at.is_some()
     }
 }

@@ -13,7 +13,7 @@ use crate::groups::Groups;
 use crate::nodes::{Storage, with_nodes};
 use crate::{Model, Precision};
 use sum::Sum;
-use work::NodalWork;
+use work::{NodalWork, Present};
 
 /// Over what is lost, so that it is no residual.
 const FAR_ABOVE: f64 = 1.0e8;
@@ -48,6 +48,8 @@ struct SetBalance {
 /// Kinetic energy is `1/2 v- . M v+` at the time of the displacement. A nodal force `F` of time
 /// `t` works half with the velocity before, half with that after `t`; the energy of elements is
 /// what their own stresses and strains give. All columns then add up to a constant, to rounding.
+/// Those halves of a force that does not change add up to its product with the displacement since the
+/// ledger was opened, which is all that is ever computed of constant loads.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Ledger {
     /// Which set each block belongs to.
@@ -60,6 +62,8 @@ pub(crate) struct Ledger {
     second: NodalWork<f64>,
     /// Kinetic and internal energy when the ledger was opened (J).
     origin: Option<f64>,
+    /// What the constant loads would have done over the displacement of that time (J).
+    potential: f64,
     /// Whether the first half of the present step is booked.
     half_booked: bool,
     /// The largest energy held or put in so far (J), or what counts as one.
@@ -135,8 +139,9 @@ impl Model {
                 }
                 let internal: f64 = energies.iter().map(BlockEnergy::total).sum();
                 // Constraints report whole steps, of which the first half came before.
-                ledger.origin =
-                    Some(self.present(step).kinetic() + internal - ledger.constraints.halves[0]);
+                let present = self.present(step);
+                ledger.origin = Some(present.kinetic() + internal - ledger.constraints.halves[0]);
+                ledger.potential = present.load_potential();
             } else {
                 ledger.nodal.add(&first);
                 self.book_sets(&mut ledger, step);
@@ -217,7 +222,7 @@ impl Model {
         self.book_first_half(step);
         let mut ledger = self.ledger.take()?;
         let energies = self.set_energies(&ledger, step);
-        let reading = ledger.read(self.present(step).kinetic(), &energies);
+        let reading = ledger.read(&self.present(step), &energies);
         self.ledger = Some(ledger);
         Some(reading)
     }
@@ -261,11 +266,15 @@ impl Ledger {
         }
     }
 
-    fn read(&mut self, kinetic: f64, energies: &[BlockEnergy]) -> Reading {
+    fn read(&mut self, present: &Present, energies: &[BlockEnergy]) -> Reading {
         let mut sum = BlockEnergy::default();
         for energy in energies {
             sum += *energy;
         }
+        let (kinetic, loads) = (
+            present.kinetic(),
+            self.nodal.loads.total() + present.load_potential() - self.potential,
+        );
         let (nodal, constraints) = (&self.nodal, &self.constraints);
         let initial = self.origin.unwrap_or(0.0);
         let pending = -constraints.halves[0] + 0.5 * constraints.driven;
@@ -288,7 +297,7 @@ impl Ledger {
             ("impact", constraints.impact.total()),
             ("constraints", constraints.external.total() + pending),
         ];
-        let input = nodal.loads.total() + prescribed;
+        let input = loads + prescribed;
         let balance: f64 = held.iter().map(|(_, energy)| energy).sum();
         let residual = balance - input - initial;
         let inside = kinetic.abs() + sum.total().abs();
@@ -296,7 +305,7 @@ impl Ledger {
         let mut columns = held.to_vec();
         columns.extend([
             ("initial", initial),
-            ("loads", nodal.loads.total()),
+            ("loads", loads),
             ("prescribed motion", prescribed),
             ("residual", residual),
         ]);

@@ -99,21 +99,30 @@ impl Present<'_> {
         if self.mass_damping.is_empty() && self.groups.bare_mass(g).is_some() {
             return;
         }
-        let group = &self.groups.groups[g];
         let motion = &self.groups.motion;
         let (before, after) = (motion.previous[g], motion.next[g]);
         let mean = (before + after) * 0.5;
-        let spring = self.stretch(g) + (after - before) * (0.25 * self.step);
-        let spring = group.spring * spring;
-        let dashpot = group.dashpot * mean;
-        let damping = match self.rule {
-            MassDampingRule::Implicit => mean * group.mass_damping,
-            MassDampingRule::Lagged => before * group.mass_damping,
-        };
-        let drive = if group.condition.prescribed.is_empty() {
-            Vec3::zeros()
+        let on_the_way = (after - before) * (0.25 * self.step);
+        let (spring, dashpot, mass_damping, drive);
+        if let Some((light, stretch)) = self.groups.light(g) {
+            spring = light.spring.component_mul(&(stretch + on_the_way));
+            dashpot = light.dashpot.component_mul(&mean);
+            mass_damping = light.mass_damping;
+            drive = Vec3::zeros();
         } else {
-            self.driving_impulse(g) / self.step
+            let group = &self.groups.groups[g];
+            spring = group.spring * (self.stretch(g) + on_the_way);
+            dashpot = group.dashpot * mean;
+            mass_damping = group.mass_damping;
+            drive = if group.condition.prescribed.is_empty() {
+                Vec3::zeros()
+            } else {
+                self.driving_impulse(g) / self.step
+            };
+        }
+        let damping = match self.rule {
+            MassDampingRule::Implicit => mean * mass_damping,
+            MassDampingRule::Lagged => before * mass_damping,
         };
         for (half, velocity) in halves.iter_mut().zip([before, after]) {
             let along = velocity * (0.5 * self.step);
@@ -170,8 +179,16 @@ impl Present<'_> {
         })
     }
 
-    /// Half a step's work of the loads with the velocities that the nodes have at present: those
-    /// before the drift or those after it.
+    /// What the constant loads would do over the present displacement (J).
+    pub(super) fn load_potential(&self) -> f64 {
+        with_nodes!(self.nodes, arrays => {
+            let displacement = |node: usize| arrays.displacement[node].to_vector();
+            self.sums.potential(displacement)
+        })
+    }
+
+    /// Half a step's work of the loads that change with the velocities that the nodes have at present:
+    /// those before the drift or those after it.
     pub(super) fn load_work(&self) -> f64 {
         with_nodes!(self.nodes, arrays => {
             let velocity = |node: usize| arrays.velocity[node].to_vector();

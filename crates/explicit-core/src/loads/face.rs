@@ -191,6 +191,9 @@ impl NodalLoad for FacePressure {
     fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
         self.shares.add(self.history.value(time), forces);
     }
+    fn is_constant(&self) -> bool {
+        self.history.is_constant()
+    }
 }
 
 /// A traction of fixed direction on facets.
@@ -234,5 +237,8 @@ impl NodalLoad for FaceTraction {
     }
     fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
         self.shares.add(self.history.value(time), forces);
+    }
+    fn is_constant(&self) -> bool {
+        self.history.is_constant()
     }
 }

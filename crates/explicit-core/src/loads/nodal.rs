@@ -33,6 +33,9 @@ impl NodalLoad for NodalForce {
             *force += now;
         }
     }
+    fn is_constant(&self) -> bool {
+        self.history.is_constant()
+    }
 }
 
 /// Lumped mass times acceleration.
@@ -67,5 +70,8 @@ impl NodalLoad for Weight {
         for (force, mass) in forces.iter_mut().zip(&self.mass) {
             *force += now * *mass;
         }
+    }
+    fn is_constant(&self) -> bool {
+        self.history.is_constant()
     }
 }

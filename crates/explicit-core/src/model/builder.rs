@@ -252,7 +252,7 @@ impl<'a> ModelBuilder<'a> {
         let groups = Groups::new(groups, &constrained.concat(), &slots);
         let constraints = bind(self.constraints, constrained);
 
-        let kicked: Vec<Option<u32>> = group_of.iter().map(|&g| groups.if_kicked(g)).collect();
+        let kicked = groups.kicked_of(&group_of);
         let loads = AppliedLoads::new(loads, own_loads, &kicked, groups.kicked());
         let with_external = loads.sums.on_plain_nodes();
         let nodes = if precision == Precision::F32 {

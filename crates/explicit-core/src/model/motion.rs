@@ -323,15 +323,9 @@ impl Model {
         });
     }
 
-    /// The group of each engine node that is kicked with one.
-    fn kicked_groups(&self) -> Vec<Option<u32>> {
-        let all = self.group_of.iter();
-        all.map(|&group| self.groups.if_kicked(group)).collect()
-    }
-
     /// Lets forces (N, engine numbering; none if empty) act from now on beside the loads.
     pub(crate) fn set_standing(&mut self, forces: Vec<Vec3>) {
-        let group_of = self.kicked_groups();
+        let group_of = self.groups.kicked_of(&self.group_of);
         let count = self.groups.kicked();
         self.loads.set_standing(forces, &group_of, count);
         let loaded = self.loads.sums.on_plain_nodes();

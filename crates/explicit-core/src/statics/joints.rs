@@ -108,8 +108,7 @@ impl Model {
 
     /// The lead of a node's group.
     fn lead(&self, node: u32) -> usize {
-        let group = self.group_of[node as usize].map(|g| &self.groups.groups[g as usize]);
-        group.map_or(node, |group| group.members[0]) as usize
+        self.members(&node)[0] as usize
     }
 
     /// Tells the constraints the length of the steps (s) to come, and the inverse effective masses of

@@ -197,7 +197,7 @@ impl Model {
     }
 
     /// The engine nodes that move as one with an engine node, itself among them.
-    fn members<'a>(&'a self, node: &'a u32) -> &'a [u32] {
+    pub(super) fn members<'a>(&'a self, node: &'a u32) -> &'a [u32] {
         let group = self.group_of[*node as usize].map(|g| &self.groups.groups[g as usize]);
         group.map_or(std::slice::from_ref(node), |group| &group.members)
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use powerhouse_explicit_core::{
     FacePressure, FaceTraction, NodalForce, PeriodicPairs, Prescribed, Profile, Support,
 };
-use powerhouse_model::{Facet, NodalLoad, Table, TimeFunction, Vec3};
+use powerhouse_model::{Constant, Facet, NodalLoad, Table, TimeFunction, Vec3};
 use powerhouse_wavefield::{EndDisplacement, Signal};
 
 use super::record::PreparedRecord;
@@ -260,7 +260,7 @@ fn history<T>(
 ) -> Result<Box<dyn TimeFunction>, Fault> {
     use core::f64::consts::{PI, TAU};
     Ok(match function {
-        None | Some(Function::Constant {}) => Box::new(move |_: f64| factor),
+        None | Some(Function::Constant {}) => Box::new(Constant(factor)),
         Some(Function::Ramp { duration }) => {
             let duration = duration.get();
             Box::new(move |t: f64| factor * (t / duration).clamp(0.0, 1.0))
