@@ -31,6 +31,30 @@ impl Mark {
         }
     }
 
+    /// The mark of a case of a scene: of what the scene and the case say, whatever other cases there are,
+    /// where results go and how many threads compute them; and of the files that are named there.
+    ///
+    /// # Errors
+    /// A scene that is no TOML, a file that cannot be read.
+    pub(crate) fn of_case(
+        (path, scene): (&Path, &str),
+        case: &str,
+        duration: Option<f64>,
+    ) -> Result<Self, StudyError> {
+        let mut table = table(path, scene)?;
+        let is_case =
+            |own: &toml::Value| own.get("name").and_then(toml::Value::as_str) == Some(case);
+        if let Some(toml::Value::Array(cases)) = table.get_mut("case") {
+            cases.retain(is_case);
+        }
+        if let Some(toml::Value::Table(output)) = table.get_mut("output") {
+            output.remove("directory");
+        }
+        table.remove("threads");
+        let files = files_of(path, &table)?;
+        Ok(Self::of(&table.to_string(), &files, duration))
+    }
+
     /// Whether a file holds this mark.
     pub(crate) fn is_in(&self, file: &Path) -> bool {
         let text = std::fs::read(file).unwrap_or_default();
@@ -42,10 +66,18 @@ impl Mark {
 /// The bytes of the files that a scene names, mesh, records and others: of every text in it that is
 /// the path of a file.
 pub(crate) fn inputs(path: &Path, text: &str) -> Result<Vec<Vec<u8>>, StudyError> {
-    let table: toml::Table = toml::from_str(text).map_err(|source| StudyError::BayFile {
+    files_of(path, &table(path, text)?)
+}
+
+fn table(path: &Path, text: &str) -> Result<toml::Table, StudyError> {
+    toml::from_str(text).map_err(|source| StudyError::BayFile {
         file: path.into(),
         source: Box::new(source),
-    })?;
+    })
+}
+
+/// The bytes of the files that a table names.
+fn files_of(path: &Path, table: &toml::Table) -> Result<Vec<Vec<u8>>, StudyError> {
     let mut texts = Vec::new();
     table.values().for_each(|value| texts_in(value, &mut texts));
     let folder = path.parent().unwrap_or(Path::new(""));

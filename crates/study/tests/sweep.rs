@@ -236,6 +236,29 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     sweep.unwrap().run(None, &mut count).unwrap();
     assert_eq!(count.ended, ["softer", "stiffer"]);
     assert_eq!(count.at_rest, ["softer"]);
+    // The table holds all that is finished.
+    let table = std::fs::read_to_string(folder.0.join("out/sweep.csv")).unwrap();
+    let named = |line: &str| line.split(',').next().unwrap().to_owned();
+    let names: Vec<String> = table.lines().map(named).collect();
+    let all = ["steep", "slanted", "continuous", "softer", "stiffer"];
+    assert_eq!(names[0], "case");
+    assert_eq!(names[1..], all);
+
+    // Cases that were added, a remark, another number of threads and another folder make no other job.
+    let same = format!("threads = 1\n# A remark.\n{SCENE}{softer}");
+    std::fs::write(folder.scene(), same).unwrap();
+    let mut count = Count::default();
+    folder.sweep().run(None, &mut count).unwrap();
+    assert_eq!(
+        (count.kept, count.ended.len()),
+        (all.map(str::to_owned).to_vec(), 0)
+    );
+    // A key of a case makes another one of that case alone, and one of the scene of all.
+    let stiffer = softer.replace("a = 0.5", "a = 0.6");
+    std::fs::write(folder.scene(), format!("{SCENE}{stiffer}")).unwrap();
+    let mut count = Count::default();
+    folder.sweep().run(None, &mut count).unwrap();
+    assert_eq!(count.ended, ["stiffer"]);
 
     // An edited mesh is another job.
     write_gmsh(folder.0.join("mesh.msh"), &slice(1.1)).unwrap();

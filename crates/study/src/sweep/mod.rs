@@ -1,8 +1,9 @@
 //! Sweeps: the cases of a scene, one after the other.
 //!
 //! The stages before the motion are gone through once for all cases that share them, and kept in a file
-//! for a sweep that goes on later. A case that was finished before, from the same files and by the same version, is not run again: its mark stands
-//! in its folder, and goes there last.
+//! for a sweep that goes on later. A case that was finished before, by the same version and from the same
+//! keys of the scene and of the case and the same files, is not run again: its mark stands in its folder,
+//! and goes there last. Other cases may come and go.
 //!
 //! ```no_run
 //! use powerhouse_study::sweep::{Silent, Sweep};
@@ -21,6 +22,7 @@ mod outcome;
 mod pictures;
 mod table;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,7 +36,7 @@ use powerhouse::{
     format,
 };
 
-use crate::mark::{Mark, inputs};
+use crate::mark::Mark;
 use crate::{StudyError, registry};
 use at_rest::Bodies;
 pub use contact::{JointAndLining, JointCase};
@@ -90,7 +92,8 @@ pub struct Sweep {
     /// All that the scene has.
     all: Vec<String>,
     folder: PathBuf,
-    mark: Mark,
+    /// The mark of each case.
+    marks: BTreeMap<String, Mark>,
     duration: Option<f64>,
     /// The records as they enter the waves.
     records: Vec<(String, TimeHistory)>,
@@ -110,12 +113,12 @@ impl Sweep {
         }
         let own = scene.result_folder().path().to_path_buf();
         let text = scene.source().map_or("", |source| &source.text);
-        let files = inputs(path, text)?;
+        let marks = marks((path, text), scene.case_names(), None)?;
         let records = scene.records().iter();
         let records = records.map(|(name, history)| (name.clone(), history.clone()));
         Ok(Self {
             records: records.collect(),
-            mark: Mark::of(text, &files, None),
+            marks,
             text: text.to_owned(),
             scene: path.into(),
             cases: (scene.case_names().iter())
@@ -148,8 +151,7 @@ impl Sweep {
     /// # Errors
     /// As [`of_file`](Self::of_file): the files are read again.
     pub fn lasting(mut self, duration: f64) -> Result<Self, StudyError> {
-        let files = inputs(&self.scene, &self.text)?;
-        self.mark = Mark::of(&self.text, &files, Some(duration));
+        self.marks = marks((&self.scene, &self.text), &self.all, Some(duration))?;
         self.duration = Some(duration);
         Ok(self)
     }
@@ -180,7 +182,7 @@ impl Sweep {
         for (place, case) in self.cases.iter().enumerate() {
             watch.begins(case, place + 1, self.cases.len());
             let folder = self.folder.join(case);
-            let outcome = if self.mark.is_in(&folder.join(MARK)) {
+            let outcome = if self.is_finished(case) {
                 watch.kept(case);
                 CaseOutcome::read(&folder.join(OUTCOME))?
             } else {
@@ -189,9 +191,23 @@ impl Sweep {
                 found
             };
             outcomes.push(outcome);
-            table::write(&self.folder.join(TABLE), &outcomes)?;
+            self.write_table()?;
         }
         Ok(outcomes)
+    }
+
+    /// Whether a case was finished, by this run or an earlier one of the same files.
+    fn is_finished(&self, case: &str) -> bool {
+        let file = self.folder.join(case).join(MARK);
+        self.marks.get(case).is_some_and(|mark| mark.is_in(&file))
+    }
+
+    /// Writes the table of all cases that are finished.
+    fn write_table(&self) -> Result<(), StudyError> {
+        let finished = self.all.iter().filter(|case| self.is_finished(case));
+        let read = |case: &String| CaseOutcome::read(&self.folder.join(case).join(OUTCOME));
+        let outcomes: Vec<CaseOutcome> = finished.map(read).collect::<Result<_, _>>()?;
+        table::write(&self.folder.join(TABLE), &outcomes)
     }
 
     /// A fault of the scene's text.
@@ -201,10 +217,13 @@ impl Sweep {
         powerhouse::Error::from(fault).into()
     }
 
-    /// Writes the order of the cases and the records.
+    /// Writes the order of the cases, those of this run and those that were finished before, and the
+    /// records.
     fn write_inputs(&self) -> Result<(), StudyError> {
-        let cases = self.folder.join(CASES);
-        write_summary(&cases, &self.cases).map_err(powerhouse::Error::from)?;
+        let told = |case: &&String| self.cases.contains(case) || self.is_finished(case);
+        let cases: Vec<&String> = self.all.iter().filter(told).collect();
+        let file = self.folder.join(CASES);
+        write_summary(&file, &cases).map_err(powerhouse::Error::from)?;
         for (name, history) in &self.records {
             let count = history.samples();
             let times = (0..count).map(|sample| sample as f64 * history.step());
@@ -288,10 +307,20 @@ impl Sweep {
         };
         write(OUTCOME, &|file| write_summary(file, &outcome))?;
         // The mark goes last: without it the case is not finished.
-        write(MARK, &|file| write_summary(file, &self.mark))?;
+        write(MARK, &|file| write_summary(file, &self.marks.get(case)))?;
         // As another sweep would find it: a number may lose its last bit in a file.
         CaseOutcome::read(&path.join(OUTCOME))
     }
+}
+
+/// The marks of the cases of a scene.
+fn marks(
+    scene: (&Path, &str),
+    cases: &[String],
+    duration: Option<f64>,
+) -> Result<BTreeMap<String, Mark>, StudyError> {
+    let of_case = |case: &String| Ok((case.clone(), Mark::of_case(scene, case, duration)?));
+    cases.iter().map(of_case).collect()
 }
 
 /// Writes a text whole or not at all.
