@@ -55,16 +55,13 @@ impl PriceTable {
         let mut text = format!("\n## {}\n\n{}\n\n", self.title, self.about);
         text += "| choice | relative error | cost |\n|---|---|---|\n";
         let front = price_front(&self.rows);
-        let unit = self.rows.first().map_or(1.0, |row| row.cost);
-        for (place, row) in self.rows.iter().enumerate() {
+        for (place, row) in self.relative().iter().enumerate() {
             let mark = if front.contains(&place) { "**" } else { "" };
             // Writing to a string does not fail.
             let _ = writeln!(
                 text,
                 "| {mark}{}{mark} | {:.2e} | {:.2} |",
-                row.name,
-                row.error,
-                row.cost / unit
+                row.name, row.error, row.cost
             );
         }
         let _ = writeln!(
@@ -80,15 +77,18 @@ impl PriceTable {
     /// # Errors
     /// A file that cannot be written.
     pub fn draw(&self, folder: &Path) -> Outcome<()> {
-        let unit = self.rows.first().map_or(1.0, |row| row.cost);
-        let prices: Vec<Price> = (self.rows.iter())
-            .map(|row| Price {
-                cost: row.cost / unit,
-                ..row.clone()
-            })
-            .collect();
         let file = folder.join(format!("{}.svg", self.name));
         let cost = ("wall time over that of the first choice", "1");
-        Ok(draw_prices(&file, self.title, cost, &prices, 1e-9)?)
+        Ok(draw_prices(&file, self.title, cost, &self.relative(), 0.0)?)
+    }
+
+    /// The rows with their costs over that of the first one.
+    fn relative(&self) -> Vec<Price> {
+        let unit = self.rows.first().map_or(1.0, |row| row.cost);
+        let relative = |row: &Price| Price {
+            cost: row.cost / unit,
+            ..row.clone()
+        };
+        self.rows.iter().map(relative).collect()
     }
 }

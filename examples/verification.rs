@@ -277,7 +277,7 @@ fn bay(scene: &Path, window: f64) -> Outcome<PriceTable> {
     let folder = std::env::temp_dir().join("powerhouse-verification-bay");
     let trade = Trade::of_file(scene, Some(folder))?.window(window);
     let report = trade.run(Goal::Front, None, &mut Aloud)?;
-    table.rows = report.cases.iter().map(TradeCase::price).collect();
+    table.rows = report.prices();
     Ok(table)
 }
 

@@ -8,6 +8,8 @@ use crate::StudyError;
 
 /// Half the size of a cross, over the width or height of the picture.
 const CROSS: f64 = 0.008;
+/// Errors below this are drawn here: zero has no place among decades.
+const LEAST: f64 = 1e-9;
 
 /// A choice with its cost and its error.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +40,8 @@ pub fn price_front(prices: &[Price]) -> Vec<usize> {
 
 /// Draws choices as crosses and their front as a line, decades of cost along and of error up.
 ///
-/// `cost` says what the cost is and in which unit. An error below `least` is drawn there: zero has no
-/// place among decades.
+/// `cost` says what the cost is and in which unit. An error below `uncertainty`, that of what errors are
+/// measured against, or below 1e-9, is drawn there.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -48,8 +50,9 @@ pub fn draw_prices(
     title: &str,
     (label, unit): (&str, &str),
     prices: &[Price],
-    least: f64,
+    uncertainty: f64,
 ) -> Result<(), StudyError> {
+    let least = uncertainty.max(LEAST);
     let at = |price: &Price| {
         let cost = price.cost.max(f64::MIN_POSITIVE);
         [cost.log10(), price.error.max(least).log10()]

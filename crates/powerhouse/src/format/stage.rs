@@ -114,9 +114,10 @@ pub enum BoltEnd {
 /// What is done to the body before it moves, until it is at rest again. A stage tells what changes.
 ///
 /// Sets that are taken out or put in, loads, bolts and materials stay so in the stages after it and
-/// when the body moves; a load may name a later stage that takes it off. Its supports hold until the body moves: then their reactions stay on as forces,
-/// and absorbing faces take their place. Supports and loads of the scene itself act in all stages, with
-/// their values at the start of the run, and in the run.
+/// when the body moves; a load may name a later stage that takes it off. Its supports hold until the
+/// body moves: then their reactions stay on as forces, and absorbing faces take their place. Supports
+/// and loads of the scene itself act in all stages, with their values at the start of the run, and in
+/// the run.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {

@@ -1,5 +1,6 @@
 //! What a run has given.
 
+use std::fmt;
 use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
@@ -32,7 +33,7 @@ pub struct EnergyResidual {
 }
 
 /// What a run has given.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Results {
     /// Steps, step, end.
     pub run: RunReport,
@@ -68,6 +69,16 @@ pub struct Results {
     pub bolts: Vec<BoltForces>,
     /// The greatest axial force of each make of bolts against time, first at rest: `NAME.greatest`.
     pub bolt_histories: HistoryTable,
+}
+
+/// The report of the run, without what it observed: an error that carries results can be read.
+impl fmt::Debug for Results {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Results")
+            .field("run", &self.run)
+            .field("wall_time", &self.wall_time)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Results {

@@ -12,9 +12,10 @@ use crate::joint::Closing;
 /// What is done to a body before it moves, until it is at rest again.
 ///
 /// A stage tells what changes. Sets that are taken out or put in, loads, bolts and materials stay
-/// so in the stages after it and when the body moves, but for temporary loads; its supports hold until the body moves, when
-/// their reactions stay on as forces and what absorbs takes their place. Supports, loads and weights
-/// of the scene itself act in all stages, with their values at the start of the run.
+/// so in the stages after it and when the body moves, but for temporary loads; its supports hold
+/// until the body moves, when their reactions stay on as forces and what absorbs takes their place.
+/// Supports, loads and weights of the scene itself act in all stages, with their values at the start
+/// of the run.
 ///
 /// ```
 /// use powerhouse::SceneStage;

@@ -133,15 +133,14 @@ fn half(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
     let Some(images) = images(mesh, axis, at) else {
         return Ok(None);
     };
-    let image = |nodes: &[u32]| {
-        let mut nodes: Vec<u32> = nodes.iter().map(|&node| images[node as usize]).collect();
-        nodes.sort_unstable();
-        nodes
-    };
     let sorted = |nodes: &[u32]| {
         let mut nodes = nodes.to_vec();
         nodes.sort_unstable();
         nodes
+    };
+    let image = |nodes: &[u32]| {
+        let nodes: Vec<u32> = nodes.iter().map(|&node| images[node as usize]).collect();
+        sorted(&nodes)
     };
     let sets = sets_of_elements(mesh);
     let elements =
@@ -240,17 +239,11 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
         return Ok(None);
     };
     let mesh = scene.mesh();
+    let within = |face: Option<f64>, way: f64| face.is_none_or(|face| way <= NEARER * face);
     let is_left = |element: &u32| {
         let way = mesh.centroid(*element) - setting.centre;
-        setting
-            .distances
-            .iter()
-            .enumerate()
-            .all(|(axis, [below, above])| {
-                let within =
-                    |face: &Option<f64>, way: f64| face.is_none_or(|face| way <= NEARER * face);
-                within(below, -way[axis]) && within(above, way[axis])
-            })
+        let mut sides = way.iter().zip(&setting.distances);
+        sides.all(|(&way, &[below, above])| within(below, -way) && within(above, way))
     };
     let count = mesh.element_count();
     let left = (0..count as u32).filter(is_left).count();

@@ -57,8 +57,6 @@ const SHARE_OF_INTENSITY: f64 = 0.5;
 const SHARE_ADDED: f64 = 0.1;
 /// Combinations that are run at most beyond single changes.
 const MOST_COMBINATIONS: usize = 6;
-/// Errors below this are drawn as this.
-const LEAST_DRAWN: f64 = 1e-9;
 /// The picture in the folder of a trade.
 const PICTURE: &str = "trade.svg";
 /// The table.
@@ -154,6 +152,13 @@ pub struct TradeReport {
     pub chosen: Option<usize>,
     /// Files that were written, the chosen scene first if there is one.
     pub files: Vec<PathBuf>,
+}
+
+impl TradeReport {
+    /// What the runs cost, as wall times of the whole run (s), and err.
+    pub fn prices(&self) -> Vec<Price> {
+        self.cases.iter().map(TradeCase::price).collect()
+    }
 }
 
 /// A scene file and what it leaves to choose.
@@ -302,13 +307,14 @@ impl Trade {
         let mut report = TradeReport {
             title: self.title.clone(),
             factors: self.factors.clone(),
-            front: price_front(&cases.iter().map(TradeCase::price).collect::<Vec<_>>()),
+            front: Vec::new(),
             cases,
             failed: failures,
             reference_error: of_reference,
             chosen,
             files: Vec::new(),
         };
+        report.front = price_front(&report.prices());
         self.write(&mut report)?;
         Ok(report)
     }
@@ -456,10 +462,9 @@ impl Trade {
         }
         let (table, picture) = (self.folder.join(TABLE), self.folder.join(PICTURE));
         write_text(&table, &text)?;
-        let prices: Vec<Price> = report.cases.iter().map(TradeCase::price).collect();
         let cost = ("wall time of the whole run", "s");
-        let least = report.reference_error.max(LEAST_DRAWN);
-        draw_prices(&picture, &report.title, cost, &prices, least)?;
+        let uncertainty = report.reference_error;
+        draw_prices(&picture, &report.title, cost, &report.prices(), uncertainty)?;
         files.extend([table, picture]);
         report.files = files;
         Ok(())
