@@ -87,32 +87,31 @@ fn body<'m>(
     (model, start, step)
 }
 
-/// The least time of a step per element (ns) in a run with a balance of energy, or without one: that of
-/// a long run less that of a short one.
-fn cost_of_run(law: &Material, mesh: &Mesh, yielding: Yielding, booked: bool) -> f64 {
+/// The least time of a step per element (ns) in a run without a balance of energy, and with one: that
+/// of a long run less that of a short one, all of them in turn.
+fn costs_of_runs(law: &Material, mesh: &Mesh, yielding: Yielding) -> [f64; 2] {
     let (mut model, start, step) = body(law, mesh, yielding, Precision::F64);
-    let mut time = |steps: usize| {
-        let runs = (0..REPETITIONS).map(|_| {
-            model.set_state(&start).expect("a state of the mesh");
-            let options = RunOptions::steps(steps as u64).with_step(StepChoice::Unchecked(step));
-            let check = EnergyCheck {
-                by_set: false,
-                ..EnergyCheck::every(u64::MAX)
-            };
-            let options = if booked {
-                options.with_energy(check)
-            } else {
-                options
-            };
-            let begun = Instant::now();
-            let before = clock(begun);
-            run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).expect("a stable run");
-            clock(begun) - before
-        });
-        runs.fold(f64::INFINITY, f64::min)
+    let check = EnergyCheck {
+        by_set: false,
+        ..EnergyCheck::every(u64::MAX)
     };
-    let [short, long] = [4, 12];
-    1e9 * (time(long) - time(short)) / ((long - short) * mesh.element_count()) as f64
+    let [short, long] = [2, 12];
+    let mut least = [[f64::INFINITY; 2]; 2];
+    for _ in 0..REPETITIONS {
+        for (energy, least) in [None, Some(check)].into_iter().zip(&mut least) {
+            for (steps, least) in [short, long].into_iter().zip(least) {
+                model.set_state(&start).expect("a state of the mesh");
+                let mut options = RunOptions::steps(steps).with_step(StepChoice::Unchecked(step));
+                options.energy = energy;
+                let begun = Instant::now();
+                let before = clock(begun);
+                run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).expect("a stable run");
+                *least = f64::min(*least, clock(begun) - before);
+            }
+        }
+    }
+    let elements = (long - short) as f64 * mesh.element_count() as f64;
+    least.map(|[short, long]| 1e9 * (long - short) / elements)
 }
 
 /// The least time of a step per element (ns), and the share of elements that yield in it.
@@ -173,8 +172,7 @@ fn compare(name: &str, law: impl Into<Material>, mesh: &Mesh) {
         );
     }
     let added = [Yielding::None, Yielding::Cluster].map(|yielding| {
-        let of = |booked| cost_of_run(&law, mesh, yielding, booked);
-        let (free, booked) = (of(false), of(true));
+        let [free, booked] = costs_of_runs(&law, mesh, yielding);
         format!("{free:.1} to {booked:.1} ns = {:.2}", booked / free)
     });
     println!("{name:19} the balance of energy: {}", added.join(", "));
