@@ -70,9 +70,9 @@ fn state(mesh: &Mesh, yielding: Yielding, step: f64) -> State {
 }
 
 /// A body of a law on one thread, a state of it, and a step (s).
-fn body<'m>(
+fn body(
     law: &Material,
-    mesh: &'m Mesh,
+    mesh: &Mesh,
     yielding: Yielding,
     precision: Precision,
 ) -> (Model, State, f64) {
