@@ -1,5 +1,6 @@
 //! What a case was computed from, so that finished work is known again.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -31,28 +32,30 @@ impl Mark {
         }
     }
 
-    /// The mark of a case of a scene: of what the scene and the case say, whatever other cases there are,
-    /// where results go and how many threads compute them; and of the files that are named there.
+    /// The marks of the cases of a scene: of what the scene and the case say, whatever other cases there
+    /// are, where results go and how many threads compute them; and of the files that are named there.
     ///
     /// # Errors
     /// A scene that is no TOML, a file that cannot be read.
-    pub(crate) fn of_case(
+    pub(crate) fn of_cases(
         (path, scene): (&Path, &str),
-        case: &str,
+        cases: &[String],
         duration: Option<f64>,
-    ) -> Result<Self, StudyError> {
-        let mut table = table(path, scene)?;
-        let is_case =
-            |own: &toml::Value| own.get("name").and_then(toml::Value::as_str) == Some(case);
-        if let Some(toml::Value::Array(cases)) = table.get_mut("case") {
-            cases.retain(is_case);
-        }
-        if let Some(toml::Value::Table(output)) = table.get_mut("output") {
+    ) -> Result<BTreeMap<String, Self>, StudyError> {
+        let mut all = table(path, scene)?;
+        if let Some(toml::Value::Table(output)) = all.get_mut("output") {
             output.remove("directory");
         }
-        table.remove("threads");
-        let files = files_of(path, &table)?;
-        Ok(Self::of(&table.to_string(), &files, duration))
+        all.remove("threads");
+        let of_case = |case: &String| {
+            let mut table = all.clone();
+            if let Some(toml::Value::Array(cases)) = table.get_mut("case") {
+                cases.retain(|own| is_case(own, case));
+            }
+            let files = files_of(path, &table)?;
+            Ok((case.clone(), Self::of(&table.to_string(), &files, duration)))
+        };
+        cases.iter().map(of_case).collect()
     }
 
     /// Whether a file holds this mark.
@@ -67,6 +70,11 @@ impl Mark {
 /// the path of a file.
 pub(crate) fn inputs(path: &Path, text: &str) -> Result<Vec<Vec<u8>>, StudyError> {
     files_of(path, &table(path, text)?)
+}
+
+/// Whether a table of a scene is the case of a name.
+pub(crate) fn is_case(own: &toml::Value, name: &str) -> bool {
+    own.get("name").and_then(toml::Value::as_str) == Some(name)
 }
 
 fn table(path: &Path, text: &str) -> Result<toml::Table, StudyError> {

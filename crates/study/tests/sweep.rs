@@ -244,7 +244,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     assert_eq!(names[0], "case");
     assert_eq!(names[1..], all);
 
-    // Cases that were added, a remark, another number of threads and another folder make no other job.
+    // Cases that were added, a remark and another number of threads make no other job.
     let same = format!("threads = 1\n# A remark.\n{SCENE}{softer}");
     std::fs::write(folder.scene(), same).unwrap();
     let mut count = Count::default();
@@ -253,7 +253,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
         (count.kept, count.ended.len()),
         (all.map(str::to_owned).to_vec(), 0)
     );
-    // A key of a case makes another one of that case alone, and one of the scene of all.
+    // A key of a case makes another one of that case alone.
     let stiffer = softer.replace("a = 0.5", "a = 0.6");
     std::fs::write(folder.scene(), format!("{SCENE}{stiffer}")).unwrap();
     let mut count = Count::default();

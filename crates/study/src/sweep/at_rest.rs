@@ -7,7 +7,7 @@ use powerhouse::model::Mesh;
 use powerhouse::{BodyAtRest, Scene};
 
 use crate::StudyError;
-use crate::mark::Checksum;
+use crate::mark::{Checksum, is_case};
 
 /// The folder of the files of bodies in that of a sweep.
 const FOLDER: &str = "at-rest";
@@ -79,8 +79,7 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     sum.add(format!("{held} {joints:?} {faces:?}").as_bytes());
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let cases = table.get("case").and_then(toml::Value::as_array);
-    let is_case = |own: &&toml::Value| own.get("name").and_then(toml::Value::as_str) == Some(case);
-    let own = cases.and_then(|cases| cases.iter().find(is_case));
+    let own = cases.and_then(|cases| cases.iter().find(|own| is_case(own, case)));
     for section in SECTIONS {
         for value in [table.get(section), own.and_then(|own| own.get(section))] {
             let said = value.map_or(String::new(), toml::Value::to_string);

@@ -113,7 +113,7 @@ impl Sweep {
         }
         let own = scene.result_folder().path().to_path_buf();
         let text = scene.source().map_or("", |source| &source.text);
-        let marks = marks((path, text), scene.case_names(), None)?;
+        let marks = Mark::of_cases((path, text), scene.case_names(), None)?;
         let records = scene.records().iter();
         let records = records.map(|(name, history)| (name.clone(), history.clone()));
         Ok(Self {
@@ -151,7 +151,7 @@ impl Sweep {
     /// # Errors
     /// As [`of_file`](Self::of_file): the files are read again.
     pub fn lasting(mut self, duration: f64) -> Result<Self, StudyError> {
-        self.marks = marks((&self.scene, &self.text), &self.all, Some(duration))?;
+        self.marks = Mark::of_cases((&self.scene, &self.text), &self.all, Some(duration))?;
         self.duration = Some(duration);
         Ok(self)
     }
@@ -311,16 +311,6 @@ impl Sweep {
         // As another sweep would find it: a number may lose its last bit in a file.
         CaseOutcome::read(&path.join(OUTCOME))
     }
-}
-
-/// The marks of the cases of a scene.
-fn marks(
-    scene: (&Path, &str),
-    cases: &[String],
-    duration: Option<f64>,
-) -> Result<BTreeMap<String, Mark>, StudyError> {
-    let of_case = |case: &String| Ok((case.clone(), Mark::of_case(scene, case, duration)?));
-    cases.iter().map(of_case).collect()
 }
 
 /// Writes a text whole or not at all.
