@@ -25,32 +25,26 @@ const ROUNDING: f64 = 1e-14;
 /// but a tangent along which supports hold both of them, as at the ends of a slice: neither a motion
 /// nor a force ever has a part along that one.
 pub(super) fn alike(pair: &JointPair, side: &Side, inverse_mass: [&Mat3; 2]) -> Option<[f64; 2]> {
-    let both = |value: &dyn Fn(&Mat3) -> Option<f64>| {
-        let [first, second] = inverse_mass;
-        Some([value(first)?, value(second)?])
-    };
-    let isotropic = |matrix: &Mat3| {
-        let value = matrix[(0, 0)];
-        let rest = (matrix - Mat3::identity() * value).amax();
-        (rest <= ROUNDING * value.abs()).then_some(value)
-    };
-    let held_along = |axis: Vec3| {
-        let across = Mat3::identity() - axis * axis.transpose();
-        move |matrix: &Mat3| {
-            let value = 0.5 * matrix.trace();
-            let rest = (matrix - across * value).amax();
+    let [first, second] = inverse_mass;
+    // The values of both if they are of a shape, which they are multiples of.
+    let of_shape = |shape: Mat3, value: fn(&Mat3) -> f64| {
+        let multiple = |matrix: &Mat3| {
+            let value = value(matrix);
+            let rest = (matrix - shape * value).amax();
             (rest <= ROUNDING * value.abs()).then_some(value)
-        }
+        };
+        Some([multiple(first)?, multiple(second)?])
     };
-    let tangents = [pair.tangent, pair.normal.cross(&pair.tangent)];
-    let free = |axis: &&(usize, Vec3)| side.preload[axis.0] == 0.0;
-    let tangents = [(1, tangents[0]), (2, tangents[1])];
-    let tangents = tangents.iter().filter(free);
-    both(&isotropic).or_else(|| {
-        tangents
-            .copied()
-            .find_map(|(_, axis)| both(&held_along(axis)))
-    })
+    let held_along = |(axis, preload): (Vec3, f64)| {
+        let across = Mat3::identity() - axis * axis.transpose();
+        (preload == 0.0).then(|| of_shape(across, |matrix| 0.5 * matrix.trace()))?
+    };
+    let tangents = [
+        (pair.tangent, side.preload.y),
+        (pair.normal.cross(&pair.tangent), side.preload.z),
+    ];
+    of_shape(Mat3::identity(), |matrix| matrix[(0, 0)])
+        .or_else(|| tangents.into_iter().find_map(held_along))
 }
 
 /// A pair with what depends on masses and step.
