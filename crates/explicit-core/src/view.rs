@@ -47,11 +47,6 @@ impl StepView for View<'_> {
         let start = self.model.stage_start.get(node as usize);
         start.copied().unwrap_or_default()
     }
-    fn cast_at(&self, element: u32) -> Option<&[Vec3]> {
-        let mut casts = self.model.casts.iter();
-        let cast = casts.find(|cast| cast.elements.contains(&element))?;
-        Some(&cast.displacement)
-    }
     fn velocity(&self, node: u32) -> Vec3 {
         let (before, after) = self.model.velocities_around(self.model.engine(node));
         (before + after) * 0.5
@@ -75,6 +70,21 @@ impl StepView for View<'_> {
             Some(initial) => Stress(core::array::from_fn(|i| initial.0[i] + change.0[i])),
             None => change,
         }
+    }
+    fn element_forces(&self, element: u32, out: &mut [Vec3]) -> bool {
+        let model = self.model;
+        let of_block = model.place_of_element.get(element as usize);
+        let known = of_block
+            .and_then(|&(block, place)| Some((model.blocks.get(block as usize)?, place as usize)));
+        let Some((block, place)) = known else {
+            out.fill(Vec3::zeros());
+            return true;
+        };
+        let initial = model.initial_stress.get(element as usize);
+        let initial = initial.copied().unwrap_or_default();
+        with_nodes!(&model.nodes, arrays => {
+            block.element_forces(place, Storage::view(&arrays.displacement), &initial, out)
+        })
     }
     fn energies(&self) -> &[(&'static str, f64)] {
         self.energies

@@ -401,6 +401,19 @@ pub trait ElementBlock: Send + Sync {
     /// Adds the mean change of stress (Pa) of each element under the committed history, in the
     /// order of [`elements`](Self::elements).
     fn add_stress(&self, displacement: NodalView, out: &mut [Stress]);
+    /// Writes the internal forces (N) of the element at a place of [`elements`](Self::elements) at its
+    /// nodes, in the mesh's order: those of its change of stress under the committed history on top of an
+    /// initial stress (Pa), and of hourglass resistance, without stiffness damping. Yields whether they are
+    /// known; they are not by default.
+    fn element_forces(
+        &self,
+        _place: usize,
+        _displacement: NodalView,
+        _initial: &Stress,
+        _out: &mut [Vec3],
+    ) -> bool {
+        false
+    }
     /// Energies at the context's displacement (elastic, hourglass) and accumulated ones.
     fn energy(&self, context: &BlockContext) -> BlockEnergy;
     /// The committed history, by name.

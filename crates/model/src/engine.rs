@@ -197,11 +197,6 @@ pub trait StepView {
     fn stage_start(&self, _node: u32) -> Vec3 {
         Vec3::zeros()
     }
-    /// Absolute displacement (m, one per mesh node) at which an element was [cast](crate::Cast), free of
-    /// stress; none, as by default, for one that has been there all along.
-    fn cast_at(&self, _element: u32) -> Option<&[Vec3]> {
-        None
-    }
     /// Velocity (m/s) at `time`: the mean of the half steps before and after.
     fn velocity(&self, node: u32) -> Vec3;
     /// Acceleration (m/s2) at `time`.
@@ -209,6 +204,13 @@ pub trait StepView {
     /// Mean stress (Pa) of an element, the initial stress included if there is one; zero if it belongs
     /// to no block.
     fn stress(&self, element: u32) -> Stress;
+    /// Writes the internal forces (N) of an element at its nodes, in the mesh's order: those of its
+    /// stress, the initial stress included, and of hourglass resistance, without stiffness damping. They
+    /// resist the motion; zero if it belongs to no block. Yields whether they are known; they are not by
+    /// default.
+    fn element_forces(&self, _element: u32, _out: &mut [Vec3]) -> bool {
+        false
+    }
     /// Named energies (J), if the ledger is kept.
     fn energies(&self) -> &[(&'static str, f64)];
     /// What an element shows of a history variable of its law, as of the step's forces

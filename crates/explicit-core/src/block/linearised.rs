@@ -65,10 +65,15 @@ where
     S: NodeScalar,
 {
     /// Geometry numbers of one element.
-    fn geometry_of(&self, element: usize, out: &mut [f64]) {
-        let length = out.len();
-        let alike = self.geometry.as_slice().len() == length * self.arrangement.width;
-        let element = if alike { 0 } else { element };
+    pub(super) fn geometry_of(&self, element: usize, out: &mut [f64]) {
+        let (length, width) = (out.len(), self.arrangement.width);
+        // One batch stands for all if all elements are alike, or if there are no more.
+        let is_one_batch = self.geometry.as_slice().len() == length * width;
+        let element = if is_one_batch {
+            element % width
+        } else {
+            element
+        };
         for (index, number) in out.iter_mut().enumerate() {
             let place = self.arrangement.place(element, index, length);
             *number = self.geometry.as_slice()[place].to_f64();
@@ -82,11 +87,25 @@ where
             Some(law) if operator != Operator::Elastic => law,
             _ => return [elastic; P],
         };
-        let place = |index, count| self.arrangement.place(element, index, count);
         let nodal = self.places.as_slice()[element]
             .map(|place| self.locals.displacement(place as usize).into());
         let geometry = Geometry::<f64>::new((), geometry);
         let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
+        self.at_points(element, &strains, |input, new| match operator {
+            Operator::Secant => secant(law, input, new),
+            _ => tangent(law, input, new),
+        })
+    }
+
+    /// What a law is asked at each point of an element with these strains under the committed history; with
+    /// room for a new one.
+    pub(super) fn at_points<T>(
+        &self,
+        element: usize,
+        strains: &[Strain; P],
+        mut ask: impl FnMut(&LawInput<f64>, &mut [f64]) -> T,
+    ) -> [T; P] {
+        let place = |index, count| self.arrangement.place(element, index, count);
         let initial = self.initial.as_slice();
         let initial =
             core::array::from_fn(|i| initial.get(place(i, 6)).map_or(0.0, |value| value.to_f64()));
@@ -100,10 +119,7 @@ where
             let input = LawInput::new(strains[p], &old)
                 .with_initial(Stress(initial))
                 .with_size(size);
-            match operator {
-                Operator::Secant => secant(law, &input, &mut new),
-                _ => tangent(law, &input, &mut new),
-            }
+            ask(&input, &mut new)
         })
     }
 

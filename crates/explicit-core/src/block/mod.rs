@@ -2,6 +2,7 @@
 
 mod account;
 mod batches;
+mod element_forces;
 mod factory;
 mod frequency;
 mod history;
@@ -478,6 +479,16 @@ where
         for (out, summary) in out.iter_mut().zip(&survey) {
             *out = *out + summary.stress;
         }
+    }
+    fn element_forces(
+        &self,
+        place: usize,
+        displacement: NodalView,
+        initial: &Stress,
+        out: &mut [Vec3],
+    ) -> bool {
+        self.write_forces_of(place, displacement, initial, out);
+        true
     }
     fn energy(&self, context: &BlockContext) -> BlockEnergy {
         let mut energy = self.account.spent();

@@ -80,21 +80,11 @@ pub enum ObserveError {
         /// The cut.
         cut: String,
     },
-    /// Elements of one source of a cut that count their strain from different displacements.
-    #[error(
-        "cut '{cut}' has a source of elements that were cast in different stages: each stage is to be a source of its own"
-    )]
-    SeveralCasts {
+    /// A cut in an engine that does not tell the forces of elements.
+    #[error("cut '{cut}': the engine does not tell the forces of its elements")]
+    NoForces {
         /// The cut.
         cut: String,
-    },
-    /// The elements of a cut could not be computed.
-    #[error("cut '{cut}': {source}")]
-    Refused {
-        /// The cut.
-        cut: String,
-        /// Why.
-        source: ModelError,
     },
     /// An energy history without an energy ledger.
     #[error("the run keeps no energy ledger")]

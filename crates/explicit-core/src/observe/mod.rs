@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`History`] | motion at probes, relative motion, stress at elements, against time | 8 bytes a column and row |
 //! | [`EnergyHistory`] | the columns of the energy ledger | 8 bytes a column and row |
-//! | [`SectionForces`] | normal force, shears and moments of cuts through linings and pillars | 8 bytes a column and row; 144 a node and 288 an element of the cut |
+//! | [`SectionForces`] | normal force, shears and moments of cuts through linings and pillars | 8 bytes a column and row, 144 a node of each element of the cut |
 //! | [`Envelope`] | largest motion of nodes, greatest and least principal stress of elements, with their times | 16 bytes a node and kind of motion, 32 an element |
 //! | [`JointHistories`] | state, slip, opening, tractions and energies of joints, and their pairs as they were last | 8 bytes a column and row, 350 a pair |
 //! | [`BoltHistories`] | the greatest axial force of sets of bolts, and that of each segment with its time | 8 bytes a set and row, 16 a segment |
@@ -50,7 +50,7 @@ pub use peaks::{PeakPlace, PeakRow, PeakTable};
 pub use place::{Motion, Place, Spot, StressPlace};
 pub use principal::principal_stresses;
 pub use recording::Recording;
-pub use section::{Cut, CutSource, SectionForces, SectionGeometry};
+pub use section::{Cut, SectionForces, SectionGeometry};
 pub use snapshots::{Snapshot, SnapshotFields, SnapshotSink, Snapshots};
 pub use state::{StatePeaks, StateTable};
 pub use table::{Column, HistoryTable};

@@ -1,6 +1,6 @@
 //! Beams of solids along x, with any kernel, and their static deflection.
 
-use powerhouse_explicit_core::observe::{Cut, CutSource, SectionForces};
+use powerhouse_explicit_core::observe::{Cut, SectionForces};
 use powerhouse_explicit_core::{
     BlockFactory, BlockOptions, BlockPart, Hex8BBar, Hex8Full, Hex8OnePoint, Precision, Tet4,
     Wedge6, solid,
@@ -90,25 +90,26 @@ pub(crate) fn one_point(medium: ElasticMedium, precision: Precision) -> Box<dyn 
 /// A body of one set, as one block.
 pub(crate) struct Body {
     pub(crate) mesh: Mesh,
-    pub(crate) factory: Box<dyn BlockFactory>,
     pub(crate) medium: ElasticMedium,
-    block: Box<dyn ElementBlock>,
+    pub(crate) block: Box<dyn ElementBlock>,
 }
 
 impl Body {
     pub(crate) fn new(mesh: Mesh, kernel: Kernel, medium: ElasticMedium) -> Self {
+        Self::of(mesh, &*kernel.factory(medium), medium)
+    }
+
+    pub(crate) fn of(mesh: Mesh, factory: &dyn BlockFactory, medium: ElasticMedium) -> Self {
         let every: Vec<u32> = (0..mesh.node_count() as u32).collect();
         let numbering = Numbering {
             engine_of: every.clone(),
             mesh_of: every.clone(),
         };
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
-        let factory = kernel.factory(medium);
         let part = BlockPart::new(&mesh, &elements, &numbering, &every);
         let block = factory.build(&part).unwrap();
         Self {
             mesh,
-            factory,
             medium,
             block,
         }
@@ -120,14 +121,6 @@ impl Body {
         let (x, y) = (NodalView::F64(&x), NodalViewMut::F64(&mut out));
         self.block.apply(Operator::Elastic, x, y);
         out.into_iter().map(Quad::to_vector).collect()
-    }
-
-    /// Stresses (Pa) of all elements at a displacement.
-    pub(crate) fn stresses(&self, displacement: &[Vec3]) -> Vec<Stress> {
-        let nodes: Vec<Quad<f64>> = displacement.iter().map(Quad::from_vector).collect();
-        let mut stresses = vec![Stress::default(); self.mesh.element_count()];
-        self.block.add_stress(NodalView::F64(&nodes), &mut stresses);
-        stresses
     }
 
     /// The displacement under nodal forces with some nodes held, by conjugate gradients.
@@ -167,29 +160,24 @@ impl Body {
     /// The section forces of a cut at a displacement: the nine columns in their order.
     pub(crate) fn section(&self, cut: &Cut, displacement: &[Vec3]) -> Vec<f64> {
         let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-        observer.add_cut(&self.mesh, cut, &[self.source()]).unwrap();
-        self.observed(observer, displacement, &self.stresses(displacement))
+        observer.add_cut(&self.mesh, cut, self.elements()).unwrap();
+        self.observed(observer, displacement)
     }
 
-    pub(crate) fn source(&self) -> CutSource<'_> {
-        CutSource {
-            elements: self.mesh.element_set("beam").unwrap(),
-            factory: &*self.factory,
-            medium: self.medium,
-        }
+    pub(crate) fn elements(&self) -> &[u32] {
+        self.mesh.element_set("beam").unwrap()
     }
 
     /// What an observer records of one step.
-    pub(crate) fn observed(
-        &self,
-        mut observer: SectionForces,
-        displacement: &[Vec3],
-        stresses: &[Stress],
-    ) -> Vec<f64> {
+    pub(crate) fn observed(&self, mut observer: SectionForces, displacement: &[Vec3]) -> Vec<f64> {
         let recording = observer.recording();
+        let nodes: Vec<Quad<f64>> = displacement.iter().map(Quad::from_vector).collect();
         let mut view = Fields::at_rest(self.mesh.node_count());
-        view.displacement = Box::new(|node, _| displacement[node as usize]);
-        view.stress = Box::new(|element, _| stresses[element as usize]);
+        view.forces = Box::new(|element, out| {
+            let (place, nodes) = (element as usize, NodalView::F64(&nodes));
+            let initial = Stress::default();
+            self.block.element_forces(place, nodes, &initial, out)
+        });
         view.show(&mut observer, 0.0);
         let table = recording.copy();
         table

@@ -13,6 +13,9 @@ use powerhouse_model::{Observer, StepView, Stress, Vec3};
 /// A field of nodes or elements and of time.
 type Field<'a, T> = Box<dyn Fn(u32, f64) -> T + 'a>;
 
+/// The forces of elements; whether they are known.
+type Forces<'a> = Box<dyn Fn(u32, &mut [Vec3]) -> bool + 'a>;
+
 /// A step whose fields are functions of place and time.
 struct Fields<'a> {
     time: f64,
@@ -21,6 +24,7 @@ struct Fields<'a> {
     velocity: Field<'a, Vec3>,
     acceleration: Field<'a, Vec3>,
     stress: Field<'a, Stress>,
+    forces: Forces<'a>,
     energies: Vec<(&'static str, f64)>,
 }
 
@@ -35,6 +39,7 @@ impl Fields<'_> {
             velocity: nothing(),
             acceleration: nothing(),
             stress: Box::new(|_, _| Stress::default()),
+            forces: Box::new(|_, _| false),
             energies: Vec::new(),
         }
     }
@@ -69,6 +74,9 @@ impl StepView for Fields<'_> {
     }
     fn stress(&self, element: u32) -> Stress {
         (self.stress)(element, self.time)
+    }
+    fn element_forces(&self, element: u32, out: &mut [Vec3]) -> bool {
+        (self.forces)(element, out)
     }
     fn energies(&self) -> &[(&'static str, f64)] {
         &self.energies

@@ -79,6 +79,14 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> PlainBlock<K, N, P>
             strains.map(|strain| Stress::elastic(lambda, shear, &strain)),
         )
     }
+    /// Nodal forces of an element.
+    fn forces_of(&self, element: usize, x: &NodalView) -> [[f64; 3]; N] {
+        let (modes, stresses) = self.state(element, x);
+        let geometry = Geometry::<f64>::new((), &self.geometries[element]);
+        let modulus = self.medium.constrained();
+        let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+        self.kernel.nodal_forces(&forces)
+    }
 }
 
 impl<K: ElementKernel<N, P>, const N: usize, const P: usize> ElementBlock for PlainBlock<K, N, P> {
@@ -101,16 +109,9 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> ElementBlock for Pl
             panic!("plain blocks compute in double precision");
         };
         let mut sums = vec![Vec3::zeros(); out.len()];
-        for element in 0..self.elements.len() {
-            let (modes, stresses) = self.state(element, &x);
-            let geometry = Geometry::<f64>::new((), &self.geometries[element]);
-            let modulus = self.medium.constrained();
-            let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
-            for (place, force) in self.places[element]
-                .iter()
-                .zip(self.kernel.nodal_forces(&forces))
-            {
-                sums[*place] += Vec3::from(force);
+        for (element, places) in self.places.iter().enumerate() {
+            for (&place, force) in places.iter().zip(self.forces_of(element, &x)) {
+                sums[place] += Vec3::from(force);
             }
         }
         for (out, sum) in out.iter_mut().zip(sums) {
@@ -131,17 +132,18 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> ElementBlock for Pl
     fn set_active(&mut self, _active: &[bool]) {}
     fn set_reference_displacement(&mut self, _displacement: NodalView) {}
     fn set_initial_stress(&mut self, _stress: &[Stress]) {}
-    fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
-        for (element, out) in out.iter_mut().enumerate() {
-            let (_, stresses) = self.state(element, &displacement);
-            let volumes = self
-                .kernel
-                .volumes(Geometry::<f64>::new((), &self.geometries[element]));
-            let volume: f64 = volumes.iter().sum();
-            for (stress, share) in stresses.into_iter().zip(volumes) {
-                *out = *out + stress * (share / volume);
-            }
+    fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
+    fn element_forces(
+        &self,
+        place: usize,
+        displacement: NodalView,
+        _initial: &Stress,
+        out: &mut [Vec3],
+    ) -> bool {
+        for (out, force) in out.iter_mut().zip(self.forces_of(place, &displacement)) {
+            *out = Vec3::from(force);
         }
+        true
     }
     fn energy(&self, _context: &BlockContext) -> BlockEnergy {
         BlockEnergy::default()

@@ -1,13 +1,11 @@
 use core::f64::consts::PI;
 
 use powerhouse_explicit_core::Precision;
-use powerhouse_explicit_core::observe::{
-    Cut, CutSource, ObserveError, SectionForces, SectionGeometry,
-};
-use powerhouse_model::{Cadence, ElasticMedium, Mesh, ParameterError, Vec3};
+use powerhouse_explicit_core::observe::{Cut, ObserveError, SectionForces, SectionGeometry};
+use powerhouse_model::{Cadence, ElasticMedium, Mesh, NodalView, Observer, Quad, Vec3};
 
 use crate::beam::{Body, KERNELS, Kernel, cut_at, one_point};
-use crate::noise;
+use crate::{Fields, noise};
 
 fn concrete(poisson: f64) -> ElasticMedium {
     ElasticMedium::new(25.0e9, poisson, 2500.0).unwrap()
@@ -80,11 +78,10 @@ fn a_cantilever_shows_its_end_loads() {
                 };
                 let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
                 let geometry = observer
-                    .add_cut(&body.mesh, &cut, &[body.source()])
+                    .add_cut(&body.mesh, &cut, body.elements())
                     .unwrap()
                     .clone();
-                let stresses = body.stresses(&displacement);
-                let found = body.observed(observer, &displacement, &stresses);
+                let found = body.observed(observer, &displacement);
                 // The loads stand on the positive side, or, seen from the other side, pull back.
                 let sign = normal.x.signum();
                 let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
@@ -303,7 +300,7 @@ fn a_lining_of_one_element_shows_its_hoop_force() {
     assert!((left[0] / both[0] - 0.5).abs() < 1e-9);
     let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
     let geometry = observer
-        .add_cut(&body.mesh, &legs, &[body.source()])
+        .add_cut(&body.mesh, &legs, body.elements())
         .unwrap();
     assert!((geometry.width - 3.0).abs() < 1e-12);
     // The plane meets the leg at 30 degrees to its axis, on chords.
@@ -331,98 +328,53 @@ fn a_lining_of_one_element_shows_its_hoop_force() {
     assert!(found[7].abs() < 1e-9 * hoop.abs());
 }
 
-/// The mean stress of the step counts, not the elastic one: where a law has let half of it go, half
-/// the force is left.
-#[test]
-fn the_stress_of_the_step_counts() {
-    let (low, high) = (Vec3::zeros(), Vec3::new(4.0, 2.0, 1.0));
-    for kernel in KERNELS {
-        let mesh = kernel.mesh(low, high, [4, 2, 1]);
-        let body = Body::new(mesh, kernel, concrete(0.0));
-        let stretched: Vec<Vec3> = body
-            .mesh
-            .positions()
-            .iter()
-            .map(|p| Vec3::new(1e-4 * p.x, 0.0, 0.0))
-            .collect();
-        let halved: Vec<_> = body
-            .stresses(&stretched)
-            .iter()
-            .map(|stress| *stress * 0.5)
-            .collect();
-        let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-        observer
-            .add_cut(&body.mesh, &cut_at(1.6), &[body.source()])
-            .unwrap();
-        let found = body.observed(observer, &stretched, &halved);
-        let expected = 0.5 * body.medium.young * 1e-4 * 2.0;
-        assert!((found[0] / expected - 1.0).abs() < 1e-12, "{kernel:?}");
-        assert!(
-            found[1..6]
-                .iter()
-                .all(|other| other.abs() < 1e-9 * expected)
-        );
-    }
-}
-
-/// A rigid motion makes no section forces, in single precision too, and a reference displacement
-/// takes its own away.
+/// A rigid motion makes no section forces, in single precision too, and a reference displacement of the
+/// elements takes its own away.
 #[test]
 fn only_strain_since_the_reference_counts() {
     let (low, high) = (Vec3::new(0.0, -1.0, -0.5), Vec3::new(4.0, 1.0, 0.5));
     let mesh = jitter(Kernel::OnePoint.mesh(low, high, [4, 2, 1]), 0.06);
-    let mut body = Body::new(mesh, Kernel::OnePoint, concrete(0.2));
-    let bent: Vec<Vec3> = body
-        .mesh
-        .positions()
-        .iter()
+    let medium = concrete(0.2);
+    let bent: Vec<Vec3> = (mesh.positions().iter())
         .map(|p| 1e-4 * Vec3::new(p.x * p.z, 0.0, -0.5 * p.x * p.x))
         .collect();
-    let stresses = body.stresses(&bent);
-    let plain = body.section(&cut_at(1.6), &bent);
+    let far: Vec<Vec3> = (bent.iter())
+        .map(|u| u + Vec3::new(10.0, -20.0, 30.0))
+        .collect();
+    let plain = Body::new(mesh.clone(), Kernel::OnePoint, medium).section(&cut_at(1.6), &bent);
     let scale = plain[4].abs();
     assert!(scale > 1e4);
     for precision in [Precision::F64, Precision::Mixed, Precision::F32] {
-        body.factory = one_point(body.medium, precision);
+        let mut body = Body::of(mesh.clone(), &*one_point(medium, precision), medium);
         let close = if precision == Precision::F64 {
             1e-9
         } else {
             1e-5
         };
-        let far: Vec<Vec3> = bent
-            .iter()
-            .map(|u| u + Vec3::new(10.0, -20.0, 30.0))
-            .collect();
-        let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-        observer
-            .add_cut(&body.mesh, &cut_at(1.6), &[body.source()])
-            .unwrap();
-        let moved = body.observed(observer, &far, &stresses);
+        let moved = body.section(&cut_at(1.6), &far);
         for (moved, plain) in moved.iter().zip(&plain) {
             assert!(
                 (moved - plain).abs() < close * scale,
                 "{precision:?} {moved} {plain}"
             );
         }
+        let nodes: Vec<Quad<f64>> = bent.iter().map(Quad::from_vector).collect();
+        (body.block).set_reference_displacement(NodalView::F64(&nodes));
+        let found = body.section(&cut_at(1.6), &far);
+        assert!(found.iter().all(|work| work.abs() < close * scale));
     }
-    body.factory = one_point(body.medium, Precision::F64);
+}
+
+/// An engine that does not tell the forces of elements is refused by the cut's name.
+#[test]
+fn cuts_need_the_forces_of_elements() {
+    let mesh = Kernel::Full.mesh(Vec3::zeros(), Vec3::repeat(2.0), [2, 2, 2]);
     let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-    observer
-        .add_cut(&body.mesh, &cut_at(1.6), &[body.source()])
-        .unwrap();
-    observer.set_reference_displacement(&bent).unwrap();
-    let nothing = vec![Default::default(); stresses.len()];
-    let found = body.observed(observer, &bent, &nothing);
-    assert!(found.iter().all(|work| work.abs() < 1e-9 * scale));
-    let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-    observer
-        .add_cut(&body.mesh, &cut_at(1.6), &[body.source()])
-        .unwrap();
-    let short = observer.set_reference_displacement(&bent[..3]);
-    assert!(matches!(
-        short,
-        Err(ObserveError::Parameter(ParameterError { .. }))
-    ));
+    let elements = mesh.element_set("beam").unwrap();
+    observer.add_cut(&mesh, &cut_at(0.5), elements).unwrap();
+    let refused = observer.observe(&Fields::at_rest(mesh.node_count()));
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("'cut'"), "{refused}");
 }
 
 /// Area and centroid of a cut are those of the solid, for every kind of element and any direction.
@@ -438,9 +390,7 @@ fn a_section_has_its_area_and_centroid() {
                 ..cut_at(x)
             };
             let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-            let geometry = observer
-                .add_cut(&body.mesh, &cut, &[body.source()])
-                .unwrap();
+            let geometry = observer.add_cut(&body.mesh, &cut, body.elements()).unwrap();
             let slant = f64::hypot(1.0, tilt);
             assert!(
                 (geometry.area - 2.0 * slant).abs() < 1e-12,
@@ -461,49 +411,37 @@ fn impossible_cuts_are_refused() {
     let mesh = Kernel::Full.mesh(Vec3::zeros(), Vec3::repeat(2.0), [2, 2, 2]);
     let body = Body::new(mesh, Kernel::Full, concrete(0.2));
     let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-    let mut refused =
-        |cut: Cut, source: CutSource| observer.add_cut(&body.mesh, &cut, &[source]).err();
+    let mut refused = |cut: Cut| observer.add_cut(&body.mesh, &cut, body.elements()).err();
     let cut = || cut_at(0.5);
     let flat = Cut {
         normal: Vec3::zeros(),
         ..cut()
     };
     assert!(matches!(
-        refused(flat, body.source()),
+        refused(flat),
         Some(ObserveError::NoDirection { what: "normal", .. })
     ));
     for along in [Vec3::zeros(), Vec3::x(), Vec3::repeat(f64::NAN)] {
         let parallel = Cut { along, ..cut() };
         assert!(matches!(
-            refused(parallel, body.source()),
+            refused(parallel),
             Some(ObserveError::NoDirection { what: "along", .. })
         ));
     }
     for x in [-1.0, 2.5, f64::NAN] {
-        assert!(
-            matches!(refused(cut_at(x), body.source()), Some(ObserveError::EmptyCut { cut }) if cut == "cut")
-        );
+        assert!(matches!(refused(cut_at(x)), Some(ObserveError::EmptyCut { cut }) if cut == "cut"));
     }
     let boxed = Cut {
         within: Some((Vec3::repeat(5.0), Vec3::repeat(6.0))),
         ..cut()
     };
     assert!(matches!(
-        refused(boxed, body.source()),
+        refused(boxed),
         Some(ObserveError::EmptyCut { .. })
     ));
-    let tets = Kernel::Tet.factory(body.medium);
-    let wrong = CutSource {
-        factory: &*tets,
-        ..body.source()
-    };
-    assert!(matches!(
-        refused(cut(), wrong),
-        Some(ObserveError::Refused { .. })
-    ));
-    assert!(refused(cut(), body.source()).is_none());
+    assert!(refused(cut()).is_none());
     assert!(
-        matches!(refused(cut(), body.source()), Some(ObserveError::NameTwice { name }) if name == "cut.axial")
+        matches!(refused(cut()), Some(ObserveError::NameTwice { name }) if name == "cut.axial")
     );
     assert_eq!(observer.geometries().count(), 1);
     assert!(SectionForces::new(Cadence::Steps(0)).is_err());

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{
-    BoltHistories, BoltTables, Column, CutSource, EnergyHistory, Envelope, EnvelopeTable, History,
+    BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
     HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
     JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
@@ -164,11 +164,12 @@ pub(crate) struct Recordings {
 }
 
 impl Recordings {
-    /// The observers of a plan, and where they put what they see.
+    /// The observers of a plan for a body of the elements that are present (all if none are said), and where
+    /// they put what they see.
     pub(crate) fn observe(
         plan: &OutputPlan,
         mesh: &Mesh,
-        sources: &[CutSource],
+        present: Option<&[bool]>,
         remembered: &Remembered,
     ) -> Result<(Self, Vec<Box<dyn Observer>>), Error> {
         let mut observers: Vec<Box<dyn Observer>> = Vec::new();
@@ -191,24 +192,10 @@ impl Recordings {
         if !plan.cuts.is_empty() {
             let mut forces = SectionForces::new(Cadence::Seconds(plan.every)).map_err(model)?;
             for wish in &plan.cuts {
-                let set = mesh.element_set(&wish.set)?;
-                let inside: Vec<Vec<u32>> = sources
-                    .iter()
-                    .map(|source| {
-                        let of_set = |e: &u32| set.binary_search(e).is_ok();
-                        source.elements.iter().copied().filter(of_set).collect()
-                    })
-                    .collect();
-                let of_cut: Vec<CutSource> = sources
-                    .iter()
-                    .zip(&inside)
-                    .filter(|(_, elements)| !elements.is_empty())
-                    .map(|(source, elements)| CutSource {
-                        elements,
-                        ..*source
-                    })
-                    .collect();
-                forces.add_cut(mesh, &wish.cut, &of_cut).map_err(model)?;
+                let is_there = |e: &u32| present.is_none_or(|present| present[*e as usize]);
+                let set = mesh.element_set(&wish.set)?.iter().copied();
+                let elements: Vec<u32> = set.filter(is_there).collect();
+                forces.add_cut(mesh, &wish.cut, &elements).map_err(model)?;
             }
             recordings.section_geometry = forces.geometries().cloned().collect();
             recordings.sections = Some(forces.recording());

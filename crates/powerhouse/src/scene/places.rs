@@ -147,17 +147,10 @@ impl Places {
             return self.materials.get(set).cloned();
         }
         match source.downcast_ref() {
-            // What looks at elements may be the first to build them.
-            Some(ObserveError::Refused {
-                source: ModelError::Refused { source, .. },
-                ..
-            }) if matches!(source.downcast_ref(), Some(EngineError::ElementSize { .. })) => {
-                self.of_source(source.as_ref())
-            }
             Some(
                 ObserveError::EmptyCut { cut }
                 | ObserveError::NoDirection { cut, .. }
-                | ObserveError::Refused { cut, .. },
+                | ObserveError::NoForces { cut },
             ) => self.cuts.get(cut).cloned(),
             _ => None,
         }

@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use powerhouse_boundary::DomainReduction;
-use powerhouse_explicit_core::observe::CutSource;
-use powerhouse_explicit_core::{BlockFactory, Leapfrog, Model, ModelBuilder};
+use powerhouse_explicit_core::{Leapfrog, Model, ModelBuilder};
 use powerhouse_model::{
-    AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, ElasticMedium, Facet,
-    IncidentField, Mat3, NodalImpedance, State, Vec3,
+    AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, Facet, IncidentField, Mat3,
+    NodalImpedance, State, Vec3,
 };
 
 use super::{InitialMotion, Piece, Places, ResidualLimit, Scene, TimeStep};
@@ -56,41 +55,9 @@ impl Scene {
         let rims = self.rims()?;
         let (pieces, mut remarks) = self.pieces(&rims)?;
         let timeline = Timeline::of(&self)?;
-        let blocks: Vec<(Box<dyn BlockFactory>, ElasticMedium)> = (pieces.iter())
-            .map(|piece| {
-                let factory = piece.moving(&self.parts[piece.part], self.precision);
-                (factory, piece.material.medium())
-            })
-            .collect();
-        // Apart by where they count their strain from.
-        let casts = timeline.as_ref().map_or_else(Vec::new, |timeline| {
-            timeline.bare_state(self.mesh.node_count()).casts
-        });
-        let mut cast_of = vec![0; self.mesh.element_count()];
-        for (cast, number) in casts.iter().zip(1..) {
-            for &element in &cast.elements {
-                cast_of[element as usize] = number;
-            }
-        }
-        let of_piece = |piece: &Piece| {
-            let mut lists = vec![Vec::new(); casts.len() + 1];
-            for &element in &piece.elements {
-                lists[cast_of[element as usize]].push(element);
-            }
-            lists
-        };
-        let apart: Vec<Vec<Vec<u32>>> = pieces.iter().map(of_piece).collect();
-        let sources: Vec<CutSource> = (apart.iter().zip(&blocks))
-            .flat_map(|(lists, (factory, medium))| {
-                lists.iter().map(|elements| CutSource {
-                    elements,
-                    factory: factory.as_ref(),
-                    medium: *medium,
-                })
-            })
-            .collect();
         let remembered = Remembered::of(&self, &rims)?;
-        let mut observed = Recordings::observe(&self.output, &self.mesh, &sources, &remembered)?;
+        let present = timeline.as_ref().and_then(Timeline::present);
+        let mut observed = Recordings::observe(&self.output, &self.mesh, present, &remembered)?;
         let own = core::mem::take(&mut self.constraints);
         let mut model = {
             let mut builder = Model::builder(&self.mesh);

@@ -101,7 +101,15 @@ impl Noise {
 /// A box of 3 x 3 x 3 cells of 2 m whose inner nodes, and outer ones within their faces, are moved
 /// without order.
 fn distorted_box(kind: ElementKind) -> Mesh {
-    let (low, high, cells) = (Vec3::zeros(), Vec3::repeat(6.0), [3, 3, 3]);
+    distorted(kind, [3, 3, 3])
+}
+
+/// The same of any number of cells.
+fn distorted(kind: ElementKind, cells: [usize; 3]) -> Mesh {
+    let (low, high) = (
+        Vec3::zeros(),
+        Vec3::from(cells.map(|count| 2.0 * count as f64)),
+    );
     let mesh = match kind {
         ElementKind::Hex8 => Mesh::box_of_hexes(low, high, cells, "rock"),
         ElementKind::Wedge6 => Mesh::box_of_wedges(low, high, cells, "rock"),
@@ -110,7 +118,7 @@ fn distorted_box(kind: ElementKind) -> Mesh {
     let noise = std::cell::RefCell::new(Noise(7));
     let moved = mesh.unwrap().map_positions(|x| {
         let shift = noise.borrow_mut().vector() * 0.3;
-        let inside = |i: usize| x[i] > 0.1 && x[i] < 5.9;
+        let inside = |i: usize| x[i] > 0.1 && x[i] < high[i] - 0.1;
         Vec3::from_fn(|i, _| x[i] + if inside(i) { shift[i] } else { 0.0 })
     });
     moved.unwrap()

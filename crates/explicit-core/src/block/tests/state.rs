@@ -211,3 +211,59 @@ fn secant_and_tangent_follow_the_state() {
         }
     }
 }
+
+/// The forces of the elements, told one by one, add up to those of the block, with a law that remembers,
+/// under initial stresses and from a reference displacement, in blocks of many elements as in those of a few;
+/// elements that are switched off have none.
+#[test]
+fn forces_of_elements_add_up_to_those_of_the_block() {
+    for kernel in SolidKernel::ALL {
+        for (precision, tolerance) in [(Precision::F64, 1e-12), (Precision::Mixed, 1e-5)] {
+            for cells in [[3, 3, 3], [2, 2, 1]] {
+                let mesh = distorted(kernel.kind(), cells);
+                let options = options(precision, LaneWidth::Native, 0.0);
+                let mut fixture = Fixture::of(mesh, kernel, Softening(rock()), options);
+                let elements = fixture.block.elements().len();
+                let mut noise = Noise(3);
+                let initial: Vec<Stress> = (0..elements)
+                    .map(|_| Stress([(); 6].map(|()| 1e6 * noise.next())))
+                    .collect();
+                let (reference, before, now) = (
+                    fixture.noise(4, 1e-3),
+                    fixture.noise(5, 2e-3),
+                    fixture.noise(6, 1e-3),
+                );
+                let off = elements / 2;
+                let active: Vec<bool> = (0..elements).map(|element| element != off).collect();
+                let block = &mut fixture.block;
+                block.set_active(&active);
+                block.set_initial_stress(&initial);
+                block.set_reference_displacement(NodalView::F64(&reference));
+                let rest = zeros(now.len());
+                fixture.forces(&before, &rest);
+                fixture.block.commit();
+                let mut expected = fixture.forces(&now, &rest);
+                fixture.block.add_forces_of(&initial, &mut expected);
+
+                let mut sums = vec![Vec3::zeros(); expected.len()];
+                for (element, place) in fixture.block.elements().iter().zip(0..) {
+                    let nodes = fixture.mesh.nodes_of(*element);
+                    let mut forces = vec![Vec3::repeat(f64::NAN); nodes.len()];
+                    let view = NodalView::F64(&now);
+                    let told =
+                        fixture
+                            .block
+                            .element_forces(place, view, &initial[place], &mut forces);
+                    assert!(told && (place != off || largest(&forces) == 0.0));
+                    for (&node, force) in nodes.iter().zip(&forces) {
+                        sums[fixture.numbering.engine_of[node as usize] as usize] += force;
+                    }
+                }
+                for (sum, expected_force) in sums.iter().zip(&expected) {
+                    let error = (sum - expected_force).norm() / largest(&expected);
+                    assert!(error < tolerance, "{kernel:?} {precision:?} {error}");
+                }
+            }
+        }
+    }
+}

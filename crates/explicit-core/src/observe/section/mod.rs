@@ -3,14 +3,10 @@
 mod functional;
 mod plane;
 
-use powerhouse_model::{
-    Cadence, ElasticMedium, Fields, Flow, Mesh, ModelError, Observer, ParameterError, StepView,
-    Vec3,
-};
+use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Vec3};
 
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
-use crate::BlockFactory;
-use functional::{Functional, RESULTANTS};
+use functional::Functional;
 use plane::{Plane, meet};
 
 /// A named plane through elements.
@@ -29,17 +25,6 @@ pub struct Cut {
     /// Only elements with their [centroid](Mesh::centroid) in this box (m) count, so that a plane
     /// through a ring gives one section and not two.
     pub within: Option<(Vec3, Vec3)>,
-}
-
-/// The elements of a cut that share a kernel, a material and, if a stage cast them, the stage.
-#[derive(Clone, Copy)]
-pub struct CutSource<'a> {
-    /// Mesh indices; those that the plane does not meet are passed over.
-    pub elements: &'a [u32],
-    /// What makes blocks of them in the run.
-    pub factory: &'a dyn BlockFactory,
-    /// Their elastic medium.
-    pub medium: ElasticMedium,
 }
 
 /// A section's shape and axes.
@@ -86,40 +71,21 @@ pub struct SectionGeometry {
 /// on a motion that leaves the negative side, moves the positive side rigidly by a unit along or
 /// about an axis through the centroid, and rises evenly from one to the other over the length of
 /// an element across the plane. Elements that lie wholly on one side do no work. The sum balances
-/// the loads on the positive side to rounding, on any mesh, be the lining one element thick,
-/// because it is made of the forces with which the engine computes: those of the mean stress of the
-/// step, and for what that does not carry (bending inside an element, hourglass resistance) those
-/// of the elastic operator of the run's own kernel. With a law that is not elastic the first stay
-/// exact; the second are exact for one-point kernels, whose hourglass resistance is elastic, and
-/// elastic estimates for others.
+/// the loads on the positive side to rounding, on any mesh and with any law, be the lining one
+/// element thick and cracked, because it is made of the forces with which the engine computes.
 ///
 /// Loads and inertia inside the element length around the plane count by halves, as they should
 /// where they are spread evenly; the error is of second order in that length. Where the elements
 /// end next to the plane the rise is cut short to what there is of them, so that a plane may lie on
 /// the end of a pillar; an end that runs obliquely within that length is not recognised.
 ///
-/// Memory: per cut 144 bytes a node and 288 an element of the layers next to the plane; 8 per
-/// column and row.
+/// Cost: at each reading the law is asked once more at the points of the layers next to the plane.
+/// Memory: per cut 144 bytes a node of each element of these layers; 8 per column and row.
 ///
 /// ```
-/// use powerhouse_explicit_core::observe::{Cut, CutSource, SectionForces};
-/// use powerhouse_explicit_core::{BlockOptions, Hex8OnePoint, solid};
-/// use powerhouse_model::{Cadence, ElasticMedium, Mesh, Vec3};
-/// # use powerhouse_model::{ConstitutiveLaw, HistoryVariable, Lane, LawInput, Stress};
-/// # #[derive(Clone)]
-/// # struct Linear(ElasticMedium);
-/// # impl ConstitutiveLaw for Linear {
-/// #     fn name(&self) -> &str { "linear" }
-/// #     fn medium(&self) -> ElasticMedium { self.0 }
-/// #     fn history(&self) -> &'static [HistoryVariable] { &[] }
-/// #     fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
-/// #         let one = input.strain.0[0].constant(1.0);
-/// #         Stress::elastic(one.constant(self.0.lambda()), one.constant(self.0.shear()), &input.strain)
-/// #     }
-/// # }
+/// use powerhouse_explicit_core::observe::{Cut, SectionForces};
+/// use powerhouse_model::{Cadence, Mesh, Vec3};
 /// let pillar = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 3.0, 8.0), [2, 3, 8], "pillar")?;
-/// let medium = ElasticMedium::new(25.0e9, 0.17, 2500.0)?;
-/// let factory = solid("pillar", Hex8OnePoint::DEFAULT, Linear(medium), BlockOptions::default());
 /// let mut forces = SectionForces::new(Cadence::Seconds(0.01))?;
 /// let cut = Cut {
 ///     name: "foot".into(),
@@ -128,9 +94,7 @@ pub struct SectionGeometry {
 ///     along: Vec3::y(),
 ///     within: None,
 /// };
-/// let elements = pillar.element_set("pillar")?;
-/// let source = CutSource { elements, factory: &*factory, medium };
-/// let section = forces.add_cut(&pillar, &cut, &[source])?;
+/// let section = forces.add_cut(&pillar, &cut, pillar.element_set("pillar")?)?;
 /// assert!((section.area - 6.0).abs() < 1e-12 && (section.width - 3.0).abs() < 1e-12);
 /// // `forces` goes into a run; `recording` shows the table afterwards.
 /// let recording = forces.recording();
@@ -146,31 +110,7 @@ pub struct SectionForces {
 
 struct Sensor {
     geometry: SectionGeometry,
-    functionals: Vec<Functional>,
-    /// Works to be taken off, of the displacement at which the elements are strained by nothing; not
-    /// known before the first step that is seen.
-    reference: Option<[f64; RESULTANTS]>,
-}
-
-impl Sensor {
-    /// The works of the displacements at which elements were cast.
-    fn of_casts(&self, view: &dyn StepView) -> Result<[f64; RESULTANTS], ObserveError> {
-        let mut works = [0.0; RESULTANTS];
-        for functional in &self.functionals {
-            let mut casts = functional.elements.iter().map(|&e| view.cast_at(e));
-            let cast = casts.next().flatten();
-            let place = |cast: Option<&[Vec3]>| cast.map(<[Vec3]>::as_ptr);
-            if casts.any(|other| place(other) != place(cast)) {
-                return Err(ObserveError::SeveralCasts {
-                    cut: self.geometry.name.clone(),
-                });
-            }
-            if let Some(displacement) = cast {
-                functional.add_nodal(|node| displacement[node as usize], &mut works);
-            }
-        }
-        Ok(works)
-    }
+    functional: Functional,
 }
 
 /// Names and units of the columns of a cut.
@@ -201,24 +141,21 @@ impl SectionForces {
         })
     }
 
-    /// Adds a cut through the elements of one or more sources.
+    /// Adds a cut through some elements (mesh indices); those that are no solids, and those that the plane
+    /// does not meet, are passed over.
     ///
     /// Nodes within 1e-6 of the mesh's diagonal count as on the plane.
     ///
     /// # Errors
-    /// A direction without length, a plane that meets no element, a name that stands twice, a
-    /// factory that does not take its elements.
+    /// A direction without length, a plane that meets no element, a name that stands twice.
     pub fn add_cut(
         &mut self,
         mesh: &Mesh,
         cut: &Cut,
-        sources: &[CutSource],
+        elements: &[u32],
     ) -> Result<&SectionGeometry, ObserveError> {
         let (normal, along) = axes(cut)?;
-        let chosen: Vec<Vec<u32>> = sources
-            .iter()
-            .map(|source| elements_in_box(mesh, cut, source.elements))
-            .collect();
+        let chosen = elements_in_box(mesh, cut, elements);
         let (low, high) = mesh.bounding_box();
         let plane = |own_positive| Plane {
             point: cut.point,
@@ -245,23 +182,8 @@ impl SectionForces {
                 rigid * share
             })
         };
-        let mut functionals = Vec::new();
-        for (source, elements) in sources.iter().zip(&chosen) {
-            let elements = section.strained(mesh, elements);
-            if !elements.is_empty() {
-                let functional = Functional::new(
-                    mesh,
-                    elements,
-                    source.factory,
-                    &source.medium,
-                    virtual_motion,
-                );
-                functionals.push(functional.map_err(|source| ObserveError::Refused {
-                    cut: cut.name.clone(),
-                    source,
-                })?);
-            }
-        }
+        let strained = section.strained(mesh, &chosen);
+        let functional = Functional::new(mesh, &strained, virtual_motion);
         {
             let mut table = self.recording.lock();
             for (column, unit) in COLUMNS {
@@ -270,33 +192,9 @@ impl SectionForces {
         }
         self.sections.push(Sensor {
             geometry,
-            functionals,
-            reference: None,
+            functional,
         });
         Ok(&self.sections[self.sections.len() - 1].geometry)
-    }
-
-    /// From now on displacement counts from this one (m, absolute, one per mesh node), at which the
-    /// elements of the cuts are strained by nothing. By default it counts from where the stages cast
-    /// them, and from zero for what has been there all along. Holds for the cuts added so far.
-    ///
-    /// # Errors
-    /// If there are not as many displacements as nodes.
-    pub fn set_reference_displacement(
-        &mut self,
-        displacement: &[Vec3],
-    ) -> Result<(), ObserveError> {
-        for section in &mut self.sections {
-            let mut works = [0.0; RESULTANTS];
-            for functional in &section.functionals {
-                let least = functional.nodes.last().map_or(0, |&last| last as usize + 1);
-                let count = displacement.len() as f64;
-                ParameterError::check("displacements", count, least as f64, f64::MAX)?;
-                functional.add_nodal(|node| displacement[node as usize], &mut works);
-            }
-            section.reference = Some(works);
-        }
-        Ok(())
     }
 
     /// Shapes and axes of the sections, in the order of their cuts.
@@ -348,26 +246,18 @@ impl Observer for SectionForces {
         "section forces"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            stress: !self.sections.is_empty(),
-            ..Fields::default()
-        }
+        Fields::default()
     }
     fn cadence(&self) -> Cadence {
         self.cadence
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         self.row.clear();
-        for section in &mut self.sections {
-            let reference = match section.reference {
-                Some(reference) => reference,
-                None => section.of_casts(view)?,
-            };
-            section.reference = Some(reference);
-            let mut works = reference.map(|work| -work);
-            for functional in &section.functionals {
-                functional.add(view, &mut works);
-            }
+        for section in &self.sections {
+            let works = section.functional.works(view);
+            let works = works.ok_or_else(|| ObserveError::NoForces {
+                cut: section.geometry.name.clone(),
+            })?;
             let [
                 axial,
                 shear_across,

@@ -117,11 +117,11 @@ pub(super) struct Section {
 }
 
 /// What a plane meets of elements, or nothing.
-pub(super) fn meet(mesh: &Mesh, plane: Plane, elements: &[Vec<u32>]) -> Option<Section> {
+pub(super) fn meet(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<Section> {
     let mut polygons = PlaneArea::default();
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
     let (mut met, mut lengths) = (0, 0.0);
-    for &element in elements.iter().flatten() {
+    for &element in elements {
         let nodes = mesh.nodes_of(element).iter();
         let corners: Vec<Vec3> = nodes.map(|&node| mesh.positions()[node as usize]).collect();
         let distances = corners.iter().map(|corner| plane.distance(corner));

@@ -1,0 +1,52 @@
+//! The forces of single elements, as observers see them.
+
+use powerhouse_model::{ElementKernel, Geometry, NodalView, Stress, Vec3};
+
+use super::Block;
+use super::transfer::NodeScalar;
+
+impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
+where
+    K: ElementKernel<N, P>,
+    S: NodeScalar,
+{
+    /// Writes the nodal forces of an element at a displacement, under the committed history and on top of
+    /// an initial stress; computed in double precision.
+    pub(super) fn write_forces_of(
+        &self,
+        element: usize,
+        displacement: NodalView,
+        initial: &Stress,
+        out: &mut [Vec3],
+    ) {
+        if !self.is_active(element) {
+            out.fill(Vec3::zeros());
+            return;
+        }
+        let mut numbers = vec![0.0; self.kernel.geometry_len()];
+        self.geometry_of(element, &mut numbers);
+        let geometry = Geometry::<f64>::new((), &numbers);
+        let nodal = self.places.as_slice()[element].map(|place| {
+            let node = self.nodes.numbers[place as usize];
+            let now = displacement.vector(node as usize);
+            let from = self.reference.as_ref();
+            let from = from.map_or(Vec3::zeros(), |from| from[place as usize].to_vector());
+            (now - from).into()
+        });
+        let modes = self.kernel.modes(&nodal);
+        let strains = self.kernel.strains(geometry, &modes);
+        let changes = match self.law.now() {
+            Some(law) => self.at_points(element, &strains, |input, new| {
+                law.stress_change(input, new)
+            }),
+            None => strains
+                .map(|strain| Stress::elastic(self.moduli.lambda, self.moduli.shear, &strain)),
+        };
+        let stresses = changes.map(|change| *initial + change);
+        let modulus = self.moduli.constrained();
+        let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+        for (out, force) in out.iter_mut().zip(self.kernel.nodal_forces(&forces)) {
+            *out = Vec3::from(force);
+        }
+    }
+}
