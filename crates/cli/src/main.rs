@@ -16,6 +16,7 @@ mod sweep;
 mod trade;
 
 use std::io::IsTerminal;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -87,7 +88,8 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-    /// Run the cases of a scene one after the other; cases that are finished are not run again.
+    /// Run the cases of a scene, one after the other or side by side; cases that are finished are not run
+    /// again.
     Sweep {
         /// The scene file with its `[[case]]` tables.
         scene: PathBuf,
@@ -100,6 +102,9 @@ enum Command {
         /// The duration of every case (s), in place of the scene's.
         #[arg(long, value_name = "SECONDS")]
         duration: Option<f64>,
+        /// How many cases run at once, each with its share of the cores and the memory of one.
+        #[arg(long, value_name = "CASES", default_value = "1")]
+        jobs: NonZeroUsize,
     },
     /// Find what accuracy costs a scene: run a window of it over kernels, precisions, steps, boundaries
     /// and what else it leaves to choose, and write the scene of the choice that meets a goal.
@@ -193,7 +198,8 @@ fn main() -> ExitCode {
             out,
             cases,
             duration,
-        } => sweep::sweep(&scene, out, &cases, duration),
+            jobs,
+        } => sweep::sweep(&scene, out, &cases, duration, jobs),
         Command::Trade {
             scene,
             reference,

@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use powerhouse::ProgressHook;
 use powerhouse::engine::Progress;
 
@@ -16,15 +16,20 @@ const TEMPLATE: &str = "{prefix} {bar:32} {percent:>3} %  {msg}  {per_sec}  {eta
 /// Shows on the error stream how far a run is, with its rate and the time that is left.
 pub(crate) enum Display {
     Bar(ProgressBar),
-    Lines(&'static str),
+    Lines(String),
 }
 
 impl Display {
-    pub(crate) fn new(prefix: &'static str) -> Self {
+    pub(crate) fn new(prefix: &str) -> Self {
+        Self::among(&MultiProgress::new(), prefix)
+    }
+
+    /// One of several at a time.
+    pub(crate) fn among(bars: &MultiProgress, prefix: &str) -> Self {
         if !std::io::stderr().is_terminal() {
-            return Self::Lines(prefix);
+            return Self::Lines(prefix.into());
         }
-        let bar = ProgressBar::new(0).with_prefix(prefix);
+        let bar = bars.add(ProgressBar::new(0).with_prefix(prefix.to_owned()));
         Self::Bar(match ProgressStyle::with_template(TEMPLATE) {
             Ok(style) => bar.with_style(style),
             // Only a fault of the template itself leads here; the plain bar tells the same.
@@ -46,12 +51,12 @@ impl Display {
                 })
             }
             Self::Lines(prefix) => {
-                let (prefix, started) = (*prefix, Instant::now());
+                let (prefix, started) = (prefix.clone(), Instant::now());
                 let mut next = BETWEEN_LINES;
                 Box::new(move |progress| {
                     if is_tick(&progress) && started.elapsed() >= next {
                         next = started.elapsed() + BETWEEN_LINES;
-                        eprintln!("{}", line(prefix, &progress, started.elapsed()));
+                        eprintln!("{}", line(&prefix, &progress, started.elapsed()));
                     }
                 })
             }

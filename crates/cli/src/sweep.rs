@@ -1,9 +1,13 @@
 //! `powerhouse sweep`.
 
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+use indicatif::MultiProgress;
 use powerhouse::{ProgressHook, StageSink};
 use powerhouse_study::StudyError;
 use powerhouse_study::sweep::{CaseOutcome, Peak, Sweep, SweepWatch};
@@ -13,66 +17,98 @@ use crate::run::Stages;
 use crate::{INTERRUPTED, Outcome, stop};
 
 /// Tells on the terminal how a sweep goes.
+#[derive(Default)]
 struct Told {
-    display: Option<Display>,
+    bars: MultiProgress,
+    /// By case.
+    displays: BTreeMap<String, Display>,
+    /// Whether cases run side by side.
+    several: bool,
+}
+
+impl Told {
+    /// Prints around the bars.
+    fn say(&self, text: &str) {
+        self.bars.suspend(|| println!("{text}"));
+    }
 }
 
 impl SweepWatch for Told {
     fn begins(&mut self, case: &str, place: usize, of: usize) {
-        println!("case {place} of {of}: {case}");
+        self.say(&format!("case {place} of {of}: {case}"));
     }
-    fn kept(&mut self, _case: &str) {
-        println!("  finished before");
+    fn kept(&mut self, case: &str) {
+        self.say(&format!("  {case}: finished before"));
     }
-    fn at_rest(&mut self, _case: &str, took: Duration) {
-        println!("  stages took {:.1} s", took.as_secs_f64());
+    fn at_rest(&mut self, case: &str, took: Duration) {
+        self.say(&format!(
+            "  {case}: stages took {:.1} s",
+            took.as_secs_f64()
+        ));
     }
-    fn progress(&mut self, _case: &str) -> Option<ProgressHook<'static>> {
-        let display = Display::new("run");
+    fn progress(&mut self, case: &str) -> Option<ProgressHook<'static>> {
+        let prefix = if self.several { case } else { "run" };
+        let display = Display::among(&self.bars, prefix);
         let hook = display.hook();
-        self.display = Some(display);
+        self.displays.insert(case.into(), display);
         Some(hook)
     }
     fn stages(&mut self, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
         Box::new(Stages(files))
     }
     fn ends(&mut self, outcome: &CaseOutcome) {
-        if let Some(display) = self.display.take() {
+        if let Some(display) = self.displays.remove(&outcome.name) {
             display.clear();
         }
-        println!(
-            "  {} steps of {:.4e} s in {:.1} s",
-            outcome.steps, outcome.step, outcome.wall_time
-        );
-        line("principal stress", &outcome.stresses, 1e-6, "MPa");
-        line("relative displacement", &outcome.relative, 1e3, "mm");
-        for damage in &outcome.damage {
-            println!(
-                "  {}: at most {:.3} in element {}, above 0.1 in {} of {} elements",
-                damage.name, damage.greatest, damage.element, damage.damaged, damage.of
-            );
-        }
-        for joint in &outcome.joints {
-            println!(
-                "  joint {}: slipped {:.1} %, opened {:.1} %, bond broken {:.1} % of {:.0} m2",
-                joint.name,
-                100.0 * joint.slipped,
-                100.0 * joint.opened,
-                100.0 * joint.broken,
-                joint.area
-            );
-        }
+        self.say(&told(outcome));
     }
 }
 
-/// Peaks in a line.
-fn line(what: &str, peaks: &[Peak], scale: f64, unit: &str) {
+/// An outcome in some lines.
+fn told(outcome: &CaseOutcome) -> String {
+    let mut text = format!(
+        "  {}: {} steps of {:.4e} s in {:.1} s",
+        outcome.name, outcome.steps, outcome.step, outcome.wall_time
+    );
+    line(
+        &mut text,
+        "principal stress",
+        (&outcome.stresses, 1e-6, "MPa"),
+    );
+    line(
+        &mut text,
+        "relative displacement",
+        (&outcome.relative, 1e3, "mm"),
+    );
+    for damage in &outcome.damage {
+        let _ = write!(
+            text,
+            "\n  {}: at most {:.3} in element {}, above 0.1 in {} of {} elements",
+            damage.name, damage.greatest, damage.element, damage.damaged, damage.of
+        );
+    }
+    for joint in &outcome.joints {
+        let _ = write!(
+            text,
+            "\n  joint {}: slipped {:.1} %, opened {:.1} %, bond broken {:.1} % of {:.0} m2",
+            joint.name,
+            100.0 * joint.slipped,
+            100.0 * joint.opened,
+            100.0 * joint.broken,
+            joint.area
+        );
+    }
+    text
+}
+
+/// Adds peaks with their scale and unit in a line.
+fn line(text: &mut String, what: &str, (peaks, scale, unit): (&[Peak], f64, &str)) {
     let peaks = peaks.iter();
     let peaks: Vec<String> = peaks
         .map(|peak| format!("{} {:.3}", peak.name, scale * peak.value))
         .collect();
     if !peaks.is_empty() {
-        println!("  {what} ({unit}): {}", peaks.join(", "));
+        let _ = write!(text, "\n  {what} ({unit}): {}", peaks.join(", "));
     }
 }
 
@@ -82,6 +118,7 @@ pub(crate) fn sweep(
     out: Option<PathBuf>,
     cases: &[String],
     duration: Option<f64>,
+    at_once: NonZeroUsize,
 ) -> Outcome {
     let mut sweep = Sweep::of_file(scene, out)?;
     if !cases.is_empty() {
@@ -90,12 +127,14 @@ pub(crate) fn sweep(
     if let Some(duration) = duration {
         sweep = sweep.lasting(duration)?;
     }
+    let sweep = sweep.side_by_side(at_once);
     let started = Instant::now();
-    let mut told = Told { display: None };
+    let mut told = Told {
+        several: at_once > NonZeroUsize::MIN,
+        ..Told::default()
+    };
     let done = sweep.run(Some(&stop::flag()?), &mut told);
-    if let Some(display) = told.display.take() {
-        display.clear();
-    }
+    told.displays.values().for_each(Display::clear);
     match done {
         Ok(outcomes) => {
             println!(

@@ -1,5 +1,6 @@
 //! Sweeps: cases of a scene, their shared stages, what is not run again.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -267,6 +268,69 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     only.run(None, &mut count).unwrap();
     assert_eq!(count.ended, ["steep"]);
     assert_eq!(count.at_rest, ["steep"]);
+}
+
+/// Cases side by side come to the same bits as one after the other, go through stages that they share once,
+/// and are told and kept in the order of the scene.
+#[test]
+fn cases_run_side_by_side() {
+    let folder = Folder::new("side-by-side");
+    let mut count = Count::default();
+    let together = folder.sweep().side_by_side(NonZeroUsize::new(2).unwrap());
+    let together = together.run(None, &mut count).unwrap();
+    assert_eq!((count.ended.len(), count.at_rest.len()), (3, 2));
+    let table = std::fs::read(folder.0.join("out/sweep.csv")).unwrap();
+    let alone = Folder::new("one-by-one");
+    let apart = alone.sweep().run(None, &mut Silent).unwrap();
+    let timeless = |outcomes: Vec<CaseOutcome>| -> Vec<CaseOutcome> {
+        let with_time = |case| CaseOutcome {
+            wall_time: 0.0,
+            ..case
+        };
+        outcomes.into_iter().map(with_time).collect()
+    };
+    assert_eq!(timeless(together), timeless(apart));
+    let names = |table: &[u8]| -> Vec<String> {
+        let lines = String::from_utf8_lossy(table);
+        let named = |line: &str| line.split(',').next().unwrap().to_owned();
+        lines.lines().map(named).collect()
+    };
+    let other = std::fs::read(alone.0.join("out/sweep.csv")).unwrap();
+    assert_eq!(names(&table), names(&other));
+}
+
+/// What the ground alone does at the places of the relative displacements is what a body does that is
+/// ground all over.
+#[test]
+fn the_ground_alone_moves_as_the_waves() {
+    let folder = Folder::new("ground");
+    let place = |text: &str| SCENE.find(text).unwrap();
+    let (joint, support) = (place("[[joint]]"), place("[[support]]"));
+    let (stress, wave) = (place("[in_situ_stress]"), place("[[wave]]"));
+    let (watched, relative) = (place("[[output.joint]]"), place("[[output.relative]]"));
+    let continuous = place("[[case]]\nname = \"continuous\"");
+    let ground = [
+        &SCENE[..joint],
+        &SCENE[support..stress],
+        &SCENE[wave..watched],
+        &SCENE[relative..continuous],
+    ];
+    let longer = ground
+        .concat()
+        .replace("duration = 0.05\n", "duration = 0.15\n");
+    std::fs::write(folder.scene(), longer).unwrap();
+    let cases = folder.sweep().run(None, &mut Silent).unwrap();
+    assert_eq!(cases.len(), 2);
+    for case in &cases {
+        let (moved, ground) = (&case.relative[0], &case.ground[0]);
+        assert_eq!(moved.name, ground.name);
+        assert!(
+            (moved.value / ground.value - 1.0).abs() < 0.02 && ground.value > 1e-4,
+            "{}: {moved:?} {ground:?}",
+            case.name
+        );
+        assert!((moved.time - ground.time).abs() <= 0.0051);
+    }
 }
 
 /// Cases with keys of their own in the tables of a scene: they are the scene with these keys, come to rest

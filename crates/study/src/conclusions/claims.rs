@@ -32,10 +32,20 @@ impl Points {
         }
     }
     fn mean(self, outcome: &CaseOutcome) -> Option<f64> {
-        let peaks = self.peaks(outcome);
-        let sum: f64 = peaks.iter().map(|peak| peak.value).sum();
-        (!peaks.is_empty()).then(|| sum / peaks.len() as f64)
+        mean(self.peaks(outcome))
     }
+    /// What the same comes to in the ground alone.
+    fn ground(self, outcome: &CaseOutcome) -> Option<f64> {
+        match self {
+            Self::Stress => None,
+            Self::Relative => mean(&outcome.ground),
+        }
+    }
+}
+
+fn mean(peaks: &[Peak]) -> Option<f64> {
+    let sum: f64 = peaks.iter().map(|peak| peak.value).sum();
+    (!peaks.is_empty()).then(|| sum / peaks.len() as f64)
 }
 
 /// How a measure is to go with the angle.
@@ -167,11 +177,14 @@ fn of_points(
     };
     let following = names.iter().filter(follows).count();
     let (scale, unit) = points.scale();
-    let figures = format!(
+    let mut figures = format!(
         "{} {unit}, mean of {} points; so at {following} of them",
         mean.told(scale),
         names.len()
     );
+    if let Ok(ground) = series(&|outcome| points.ground(outcome)) {
+        figures = format!("{figures}; the ground alone {}", ground.told(scale));
+    }
     let holds = trend(&mean) && 2 * following >= names.len();
     told(head, figures, verdict(holds))
 }

@@ -11,7 +11,7 @@ pub(super) const P: [f64; 4] = [0.0, 30.0, 60.0, 90.0];
 /// The angle at which the paper finds the most of everything (degrees).
 pub(super) const WORST: f64 = 30.0;
 
-/// A case of one wave: with its joints and nothing varied, or without joints.
+/// A case of one wave with nothing varied, with its joints or without.
 pub(super) fn case<'o>(
     outcomes: &'o [CaseOutcome],
     (kind, angle): (&str, f64),
@@ -19,7 +19,7 @@ pub(super) fn case<'o>(
 ) -> Option<&'o CaseOutcome> {
     outcomes.iter().find(|outcome| {
         let input = &outcome.input;
-        let is_plain = input.continuous == continuous && (continuous || input.varies.is_none());
+        let is_plain = input.continuous == continuous && input.varies.is_none();
         is_plain && input.wave() == Some((kind, angle))
     })
 }

@@ -117,6 +117,13 @@ impl Sweep<'_> {
         );
         page.table(&tables::peaks(self.cases, |outcome| &outcome.relative, 1e3));
         page.figures(charts::by_angle(self.cases, &self.plots, "relative")?)?;
+        if (self.outcomes.iter()).any(|outcome| !outcome.ground.is_empty()) {
+            page.paragraph(
+                "The same of the ground alone, as the waves move it where there are no caverns (mm): \
+                 what is more than this, caverns and structure make.",
+            );
+            page.table(&tables::peaks(self.cases, |outcome| &outcome.ground, 1e3));
+        }
         page.paragraph("Greatest displacement itself (mm).");
         let displacements = tables::peaks(self.cases, |outcome| &outcome.displacements, 1e3);
         page.table(&displacements);

@@ -1,4 +1,4 @@
-//! Sweeps: the cases of a scene, one after the other.
+//! Sweeps: the cases of a scene, one after the other or some side by side.
 //!
 //! The stages before the motion are gone through once for all cases that share them, and kept in a file
 //! for a sweep that goes on later. A case that was finished before, by the same version and from the same
@@ -17,15 +17,18 @@
 mod at_rest;
 mod contact;
 mod damage;
+mod ground;
 mod input;
 mod outcome;
 mod pictures;
 mod table;
+mod workers;
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use powerhouse::engine::Ended;
@@ -56,8 +59,8 @@ pub(crate) const CASES: &str = "cases.json";
 /// The start of the names of the files of records.
 pub(crate) const RECORD: &str = "record-";
 
-/// Is told how a sweep goes.
-pub trait SweepWatch {
+/// Is told how a sweep goes, of cases side by side by turns.
+pub trait SweepWatch: Send {
     /// A case begins: its name, its place from 1, how many there are.
     fn begins(&mut self, _case: &str, _place: usize, _of: usize) {}
     /// A case was finished before.
@@ -95,6 +98,8 @@ pub struct Sweep {
     /// The mark of each case.
     marks: BTreeMap<String, Mark>,
     duration: Option<f64>,
+    /// How many cases run at once.
+    at_once: NonZeroUsize,
     /// The records as they enter the waves.
     records: Vec<(String, TimeHistory)>,
 }
@@ -129,6 +134,7 @@ impl Sweep {
             folder: folder.unwrap_or(own),
             registry,
             duration: None,
+            at_once: NonZeroUsize::MIN,
         })
     }
 
@@ -156,6 +162,15 @@ impl Sweep {
         Ok(self)
     }
 
+    /// The same with so many cases side by side, each with its share of the cores; the bits of their
+    /// results do not depend on it. Each takes the memory of one. Cases for which the stages have to be
+    /// gone through wait for each other there.
+    #[must_use]
+    pub fn side_by_side(mut self, cases: NonZeroUsize) -> Self {
+        self.at_once = cases;
+        self
+    }
+
     /// The names of the cases that it runs: all but those on request, or those that were asked for.
     pub fn cases(&self) -> &[String] {
         &self.cases
@@ -176,24 +191,28 @@ impl Sweep {
         stop: Option<&Arc<AtomicBool>>,
         watch: &mut dyn SweepWatch,
     ) -> Result<Vec<CaseOutcome>, StudyError> {
-        let mut bodies = Bodies::in_folder(&self.folder);
-        let mut outcomes = Vec::with_capacity(self.cases.len());
         self.write_inputs()?;
-        for (place, case) in self.cases.iter().enumerate() {
-            watch.begins(case, place + 1, self.cases.len());
+        let bodies = Mutex::new(Bodies::in_folder(&self.folder));
+        let watch = Mutex::new(watch);
+        workers::side_by_side(self.cases.len(), self.at_once, |place| {
+            let case = &self.cases[place];
+            locked(&watch).begins(case, place + 1, self.cases.len());
             let folder = self.folder.join(case);
-            let outcome = if self.is_finished(case) {
-                watch.kept(case);
+            let kept = self.is_finished(case);
+            let outcome = if kept {
                 CaseOutcome::read(&folder.join(OUTCOME))?
             } else {
-                let found = self.case(case, &folder, (stop, watch), &mut bodies)?;
-                watch.ends(&found);
-                found
+                self.case(case, &folder, (stop, &watch), &bodies)?
             };
-            outcomes.push(outcome);
+            let mut watch = locked(&watch);
+            match kept {
+                true => watch.kept(case),
+                false => watch.ends(&outcome),
+            }
+            // Under the lock, so that two do not write at once.
             self.write_table()?;
-        }
-        Ok(outcomes)
+            Ok(outcome)
+        })
     }
 
     /// Whether a case was finished, by this run or an earlier one of the same files.
@@ -242,10 +261,14 @@ impl Sweep {
         &self,
         case: &str,
         path: &Path,
-        (stop, watch): (Option<&Arc<AtomicBool>>, &mut dyn SweepWatch),
-        bodies: &mut Bodies,
+        (stop, watch): (Option<&Arc<AtomicBool>>, &Mutex<&mut dyn SweepWatch>),
+        bodies: &Mutex<Bodies>,
     ) -> Result<CaseOutcome, StudyError> {
         let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
+        if self.at_once > NonZeroUsize::MIN && scene.thread_count().is_none() {
+            let cores = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+            scene = scene.threads((cores.get() / self.at_once).max(1));
+        }
         if let Some(duration) = self.duration {
             scene = scene.duration(duration);
         }
@@ -264,29 +287,35 @@ impl Sweep {
         let relative: Vec<String> = relative.map(|wish| wish.name.clone()).collect();
         let body = at_rest::key(&scene, &self.scene, &self.text, case);
         let title = format!("{}: {case}", scene.title());
+        let ground = ground::relative_peaks(&scene)?;
         let simulation = scene.prepare()?;
         let (mesh, remarks) = (simulation.mesh().clone(), simulation.remarks().to_vec());
         folder.create()?;
         folder.clear()?;
-        let at_rest = match bodies.get(&body) {
-            Some(body) => Some(body),
-            None => {
-                let started = Instant::now();
-                let files = folder.stages(&mesh, simulation.joint_surfaces())?;
-                let found = simulation.bring_to_rest(stop, Some(watch.stages(files)));
-                let found = found.map_err(|error| match error {
-                    powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
-                    error => error.into(),
-                })?;
-                if let Some(found) = &found {
-                    watch.at_rest(case, started.elapsed());
-                    bodies.keep(body, found)?;
+        let at_rest = {
+            // Others that need the same body wait for it.
+            let mut bodies = locked(bodies);
+            match bodies.get(&body) {
+                Some(body) => Some(body),
+                None => {
+                    let started = Instant::now();
+                    let files = folder.stages(&mesh, simulation.joint_surfaces())?;
+                    let told = locked(watch).stages(files);
+                    let found = simulation.bring_to_rest(stop, Some(told));
+                    let found = found.map_err(|error| match error {
+                        powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
+                        error => error.into(),
+                    })?;
+                    if let Some(found) = &found {
+                        locked(watch).at_rest(case, started.elapsed());
+                        bodies.keep(body, found)?;
+                    }
+                    found
                 }
-                found
             }
         };
         let hooks = RunHooks {
-            progress: watch.progress(case),
+            progress: locked(watch).progress(case),
             stop: stop.cloned(),
             snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
             at_rest,
@@ -301,7 +330,7 @@ impl Sweep {
         }
         pictures::draw(path, &mesh, &results)?;
         let input = CaseInput::of(&as_case, case);
-        let outcome = CaseOutcome::of((case, input), &mesh, &results, &relative);
+        let outcome = CaseOutcome::of((case, input), &mesh, &results, (&relative, ground));
         let write = |name: &str, content: &dyn Fn(&Path) -> Result<(), powerhouse::io::IoError>| {
             content(&path.join(name)).map_err(powerhouse::Error::from)
         };
@@ -311,6 +340,11 @@ impl Sweep {
         // As another sweep would find it: a number may lose its last bit in a file.
         CaseOutcome::read(&path.join(OUTCOME))
     }
+}
+
+/// What another case left if it broke off is as good.
+fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Writes a text whole or not at all.

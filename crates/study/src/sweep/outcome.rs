@@ -60,6 +60,9 @@ pub struct CaseOutcome {
     pub displacements: Vec<Peak>,
     /// Greatest relative displacement (m).
     pub relative: Vec<Peak>,
+    /// The same of ground without any structure, as the waves that come in move it; none without waves.
+    #[serde(default)]
+    pub ground: Vec<Peak>,
     /// Damage.
     pub damage: Vec<DamageOutcome>,
     /// Damage of the structure and its parts.
@@ -81,12 +84,13 @@ pub struct CaseOutcome {
 }
 
 impl CaseOutcome {
-    /// The outcome of a run whose relative displacements have these names.
+    /// The outcome of a run whose relative displacements have these names, and which come to so much
+    /// in the ground alone.
     pub(super) fn of(
         (name, input): (&str, CaseInput),
         mesh: &Mesh,
         results: &Results,
-        relative: &[String],
+        (relative, ground): (&[String], Vec<Peak>),
     ) -> Self {
         let run = &results.run;
         let (relative, displacements) = displacement_peaks(&results.histories)
@@ -130,6 +134,7 @@ impl CaseOutcome {
             stresses: stress_peaks(&results.histories),
             displacements,
             relative,
+            ground,
             damage: damage.collect(),
             parts: (of_parts.as_ref()).map_or_else(Vec::new, |damage| damage.parts(mesh)),
             joints: joints_of(joints),
@@ -180,7 +185,7 @@ fn bolt_peaks(table: &HistoryTable) -> (Vec<Peak>, Vec<Peak>) {
 }
 
 /// The greatest length of each displacement.
-fn displacement_peaks(table: &HistoryTable) -> Vec<Peak> {
+pub(super) fn displacement_peaks(table: &HistoryTable) -> Vec<Peak> {
     let names = table
         .columns
         .iter()

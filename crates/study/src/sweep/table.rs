@@ -41,6 +41,7 @@ fn cells(outcome: &CaseOutcome) -> Vec<(String, f64)> {
     put("principal stress", "Pa", &outcome.stresses);
     put("displacement", "m", &outcome.displacements);
     put("relative displacement", "m", &outcome.relative);
+    put("relative displacement of the ground", "m", &outcome.ground);
     put("bolt force", "N", &outcome.bolts);
     for damage in &outcome.damage {
         cells.push((format!("greatest {}", damage.name), damage.greatest));
