@@ -27,7 +27,7 @@ use std::sync::Arc;
 use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
 use powerhouse::engine::{FacePressure, Profile, Support};
 use powerhouse::material::LinearElastic;
-use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Facet, Mesh, Vec3};
+use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, WaveKind,
 };
@@ -297,25 +297,7 @@ impl Question for Block {
 /// The mesh without some elements, and without the nodes that only they have.
 fn without(mesh: &Mesh, elements: &[u32]) -> Outcome<Mesh> {
     let kept = (0..mesh.element_count() as u32).filter(|e| elements.binary_search(e).is_err());
-    let kept: Vec<u32> = kept.collect();
-    let number = |node: &u32| mesh.node_tags()[*node as usize];
-    let mut builder = Mesh::builder();
-    for node in mesh.nodes_of_elements(&kept) {
-        builder.node(number(&node), mesh.positions()[node as usize]);
-    }
-    for &element in &kept {
-        let nodes: Vec<u64> = mesh.nodes_of(element).iter().map(number).collect();
-        let tag = mesh.element_tags()[element as usize];
-        builder.element(tag, mesh.kind(element), &nodes, &["rock"]);
-    }
-    for (set, facets) in mesh.facet_sets() {
-        let stays = |facet: &&Facet| kept.binary_search(&facet.element).is_ok();
-        for facet in facets.iter().filter(stays) {
-            let nodes: Vec<u64> = mesh.facet_nodes(*facet).iter().map(number).collect();
-            builder.facet(set, &nodes);
-        }
-    }
-    Ok(builder.build()?)
+    Ok(mesh.of_elements(&kept.collect::<Vec<u32>>())?)
 }
 
 /// A spherical cavity under a sudden pressure that stays: an eighth of it.

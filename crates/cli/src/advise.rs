@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use powerhouse_study::advise_boundary;
+use powerhouse_study::{advise_boundary, advise_box};
 
 use crate::{Outcome, WARNED, read};
 
@@ -26,6 +26,16 @@ pub(crate) fn boundary(path: &Path, case: Option<&str>, error: f64) -> Outcome {
     Ok(match advice.named() {
         Some(_) => ExitCode::SUCCESS,
         None => ExitCode::from(WARNED),
+    })
+}
+
+/// Says how near faces may come; the exit status is 1 if they are too near already.
+pub(crate) fn ground(path: &Path, case: Option<&str>, error: f64) -> Outcome {
+    let advice = advise_box(&read(path, case)?, error)?;
+    print!("{advice}");
+    Ok(match advice.as_it_stands <= advice.error {
+        true => ExitCode::SUCCESS,
+        false => ExitCode::from(WARNED),
     })
 }
 

@@ -159,6 +159,17 @@ enum Choice {
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
     },
+    /// How near the absorbing faces may come, with the predicted error, and the key for the scene.
+    Box {
+        /// The scene file.
+        scene: PathBuf,
+        /// The permitted error: of displacement and velocity, over the run, at the worst place.
+        #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = advise::share)]
+        error: f64,
+        /// The case of the scene, in place of the scene itself.
+        #[arg(long, value_name = "NAME")]
+        case: Option<String>,
+    },
 }
 
 /// What a command ends with.
@@ -187,6 +198,9 @@ fn main() -> ExitCode {
         Command::Advise {
             choice: Choice::Boundary { scene, error, case },
         } => advise::boundary(&scene, case.as_deref(), error),
+        Command::Advise {
+            choice: Choice::Box { scene, error, case },
+        } => advise::ground(&scene, case.as_deref(), error),
         Command::Drive {
             law,
             path,

@@ -51,7 +51,7 @@ mod static_cost;
 pub mod sweep;
 pub mod trade;
 
-pub use advice::{BoundaryAdvice, advise_boundary};
+pub use advice::{BoundaryAdvice, BoxAdvice, advise_boundary, advise_box};
 pub use check::{CheckReport, Warning, check, warnings};
 pub use conclusions::{Conclusion, Verdict, conclusions};
 pub use cost::Cost;

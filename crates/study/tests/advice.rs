@@ -13,7 +13,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{Boundary, Material, OutputPlan, Part, Registry, RunHooks, Scene};
 use powerhouse_study::advice::{BoundaryKind, Drive, Setting};
-use powerhouse_study::{BoundaryAdvice, OpeningSlice, StudyError, advise_boundary};
+use powerhouse_study::{BoundaryAdvice, OpeningSlice, StudyError, advise_boundary, advise_box};
 
 const ROCK: ElasticMedium = ElasticMedium {
     young: 9.0e9,
@@ -183,6 +183,67 @@ fn the_table_makes_the_boundary_that_is_named() {
         "{}",
         strict.reason()
     );
+}
+
+/// Faces come as near as the stated error permits and no nearer; the scene with the key that is printed
+/// has them there, and differs by no more than that from the one with all of its ground.
+#[test]
+fn a_box_is_as_small_as_the_error_permits() {
+    let wide = OpeningSlice {
+        half_width: 20.0,
+        height: 20.0,
+        ..OPENING
+    };
+    let folder = Folder::new("box", &wide.mesh().unwrap());
+    let whole = folder.read(BOUNDARY);
+    let generous = advise_box(&whole, 0.9).unwrap();
+    let near = generous.nearer.as_ref().unwrap();
+    assert!(near.predicted > generous.as_it_stands);
+    let limit = 0.5 * (near.predicted + generous.as_it_stands);
+    let strict = advise_box(&whole, limit).unwrap();
+    let far = strict.nearer.as_ref().unwrap();
+    assert!(far.predicted <= limit && near.predicted <= 0.9);
+    assert!(near.share < far.share && near.elements < far.elements);
+    // Nothing stands above the ground, or before and behind the slice.
+    assert_eq!(far.within[1], None);
+    assert_eq!(far.within[2].unwrap()[1], whole.mesh().bounding_box().1.z);
+    let table = strict.table().unwrap();
+    let key = table.strip_prefix("[mesh]\n").unwrap();
+    assert!(strict.to_string().contains(&table));
+
+    let read = |key: &str| {
+        let mesh = "[mesh]\nfile = \"opening.msh\"\n";
+        let text = format!("{TEXT}{BOUNDARY}").replace(mesh, &format!("{mesh}{key}"));
+        // The wave sets out at one place, whatever the box.
+        let text = text.replace(
+            "incidence = 10\n",
+            "incidence = 10\nreference = [-20, 0, -20]\n",
+        );
+        Scene::from_toml(text, folder.0.join("scene.toml"), &Registry::default()).unwrap()
+    };
+    let small = read(key);
+    assert_eq!(small.mesh().element_count(), far.elements);
+    let [x, _, z] = Setting::of(&small).unwrap().distances;
+    for (own, whole) in [(x[0], 20.0), (x[1], 20.0), (z[0], 16.0)] {
+        let own = own.unwrap();
+        assert!((own - far.share * whole).abs() <= 0.6, "{own} {whole}");
+    }
+    let (small, whole) = (histories(small), histories(read("")));
+    let (mut apart, mut all) = (0.0_f64, 0.0_f64);
+    for (small, whole) in small.iter().zip(&whole) {
+        for (small, whole) in small.iter().zip(whole) {
+            apart += (small - whole).powi(2);
+            all += whole.powi(2);
+        }
+    }
+    let error = (apart / all).sqrt();
+    // Either of them errs.
+    let permitted = limit + strict.as_it_stands;
+    assert!(error <= permitted, "{error} {permitted}");
+
+    let refused = advise_box(&read(""), 1e-9).unwrap();
+    assert!(refused.nearer.is_none() && refused.table().is_none());
+    assert!(refused.to_string().contains("no nearer faces"));
 }
 
 /// A body in which nothing scatters needs no more than dashpots; each kind's keys name its parameters.

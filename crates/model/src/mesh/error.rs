@@ -186,6 +186,14 @@ pub enum MeshError {
         /// The highest one (m).
         high: f64,
     },
+    /// A box in which no solid element lies.
+    #[error("no solid element has its centre between {low:?} and {high:?} m")]
+    NothingWithin {
+        /// The lowest coordinates of the box (m).
+        low: [f64; 3],
+        /// The highest ones (m).
+        high: [f64; 3],
+    },
     /// A mesh that is not the same in every slice across an axis.
     #[error(
         "the mesh is not the same all along {axis}: element {element} of the slice does not stand between two planes, or the slice is {share:.6} of the volume for its thickness instead of 1"

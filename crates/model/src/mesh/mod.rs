@@ -8,6 +8,7 @@ mod generate;
 mod kind;
 mod locate;
 mod near;
+mod part;
 mod select;
 mod shape;
 mod sides;

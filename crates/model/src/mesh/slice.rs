@@ -70,7 +70,7 @@ impl Mesh {
         self.layer(&kept, axis, [(low, from), (high, to)], tolerance)
     }
 
-    /// The mesh of some elements; facets in planes that are not in it (m) move to others that are.
+    /// The mesh of some elements; facets in planes that are not in it (m) move to others that are as well.
     fn layer(
         &self,
         kept: &[u32],
@@ -78,39 +78,13 @@ impl Mesh {
         planes: [(f64, f64); 2],
         tolerance: f64,
     ) -> Result<Self, MeshError> {
-        let nodes = self.nodes_of_elements(kept);
-        let number = |node: &u32| self.node_tags[*node as usize];
-        let mut builder = Self::builder();
-        for &node in &nodes {
-            builder.node(number(&node), self.positions[node as usize]);
-        }
-        let is_kept = |element: &u32| kept.binary_search(element).is_ok();
-        for &element in kept {
-            let corners: Vec<u64> = self.nodes_of(element).iter().map(number).collect();
-            let tag = self.element_tags[element as usize];
-            builder.element(tag, self.kind(element), &corners, &[] as &[&str]);
-        }
-        let mut slice = builder.build()?;
-        let place = |all: &[u32], one: &u32| all.binary_search(one).ok().map(|place| place as u32);
-        for (name, elements) in &self.element_sets {
-            let of_slice = elements.iter().filter_map(|e| place(kept, e)).collect();
-            slice.set_element_set(name, of_slice)?;
-        }
-        for (name, set) in &self.node_sets {
-            let of_slice = set.iter().filter_map(|node| place(&nodes, node)).collect();
-            slice.set_node_set(name, of_slice)?;
-        }
+        let mut slice = self.of_elements(kept)?;
         let sides = planes.map(|(end, side)| {
             let facets = slice.facets_on_plane(axis, side, tolerance);
             (end, Opposite::new(&slice, axis, &facets, tolerance))
         });
         for (name, facets) in &self.facet_sets {
-            let of_slice = facets.iter().filter(|facet| is_kept(&facet.element));
-            let of_slice = of_slice.filter_map(|facet| {
-                let element = place(kept, &facet.element)?;
-                Some(Facet { element, ..*facet })
-            });
-            let mut of_slice: BTreeSet<Facet> = of_slice.collect();
+            let mut of_slice: BTreeSet<Facet> = slice.facet_set(name)?.iter().copied().collect();
             for (end, side) in &sides {
                 let nodes_of = |facet: Facet| self.facet_nodes(facet).into_iter();
                 let along = |node: u32| self.positions[node as usize][axis.index()];

@@ -1,9 +1,10 @@
-//! Meshes: shapes, faults, facets, location of points, selections, slices and generators.
+//! Meshes: shapes, faults, facets, location of points, selections, parts, slices and generators.
 
 mod facets;
 mod faults;
 mod generate;
 mod locate;
+mod part;
 mod shapes;
 mod slice;
 mod split;

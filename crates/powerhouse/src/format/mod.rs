@@ -141,6 +141,22 @@ pub struct MeshFile {
     /// One layer of elements of a mesh that is the same all along an axis, in place of the whole: what
     /// holds the ends of the mesh holds the slice. With both on rollers it is in plane strain.
     pub slice: Option<At<Slice>>,
+    /// Only the elements whose centroids lie between these coordinates, in place of the whole: the faces of
+    /// the mesh stand where it then ends, so that less ground is computed. A wave without a `reference`
+    /// reaches the structure sooner by the way that it is spared.
+    pub within: Option<At<MeshBox>>,
+}
+
+/// Least and greatest coordinates (m), after `scale`; everything along an axis that is not named.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshBox {
+    /// Along the first horizontal axis.
+    pub x: Option<[Finite; 2]>,
+    /// Along the second horizontal axis.
+    pub y: Option<[Finite; 2]>,
+    /// Upwards.
+    pub z: Option<[Finite; 2]>,
 }
 
 /// A plane across an axis, which cuts the layer that is computed.

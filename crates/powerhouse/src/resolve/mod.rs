@@ -212,6 +212,19 @@ fn mesh(text: &SceneText, table: &format::MeshFile, registry: &Registry) -> Resu
             .map_positions(|x| x * scale)
             .map_err(|e| refused(e.into()))?,
     };
+    let mesh = match &table.within {
+        None => mesh,
+        Some(within) => {
+            let pairs = [within.x, within.y, within.z];
+            let end = |end: usize, otherwise: f64| {
+                let coordinate = |pair: [Finite; 2]| pair[end].get();
+                Vec3::from(pairs.map(|pair| pair.map_or(otherwise, coordinate)))
+            };
+            let (low, high) = (end(0, f64::NEG_INFINITY), end(1, f64::INFINITY));
+            let part = mesh.within(&low, &high);
+            part.map_err(|error| Fault::refused(within.span(), error))?
+        }
+    };
     let Some(slice) = &table.slice else {
         return Ok(mesh);
     };

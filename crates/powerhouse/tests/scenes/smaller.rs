@@ -230,6 +230,39 @@ fn planes_of_symmetry_in_files() {
     assert!(shown.contains("[[support]]"), "{shown}");
 }
 
+/// Part of a mesh by coordinates is the mesh's own part; one beside it is refused in place.
+#[test]
+fn a_scene_may_have_less_ground() {
+    let variants = Variants::new("within");
+    let file = "file = \"cube.msh\"";
+    let with = |within: &str| format!("{file}\nwithin = {{ {within} }}");
+    let whole = read(&variants, &[]).unwrap();
+    let key = with("x = [60, 400], z = [-200, 0]");
+    let scene = read(&variants, &[(file, key.as_str())]).unwrap();
+    let (low, high) = (
+        Vec3::new(60.0, f64::NEG_INFINITY, -200.0),
+        Vec3::new(400.0, f64::INFINITY, 0.0),
+    );
+    let part = whole.mesh().within(&low, &high).unwrap();
+    assert!(part.element_count() < whole.mesh().element_count());
+    assert_eq!(scene.mesh().element_tags(), part.element_tags());
+    assert_eq!(scene.mesh().facet_sets(), part.facet_sets());
+    for (within, wanted) in [
+        ("y = [900, 990]", "no solid element"),
+        ("w = [0, 1]", "unknown"),
+    ] {
+        let key = with(within);
+        let Err(Error::Scene(fault)) = read(&variants, &[(file, key.as_str())]) else {
+            panic!("accepted")
+        };
+        let shown = fault.render(false);
+        assert!(
+            shown.contains(wanted) && shown.contains("within ="),
+            "{shown}"
+        );
+    }
+}
+
 /// A slice of a plane question moves as the whole body: the same histories to 1e-10 from one sixth of
 /// the elements; a slice beside the mesh is refused in place.
 #[test]

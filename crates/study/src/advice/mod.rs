@@ -1,4 +1,4 @@
-//! Which absorbing boundary a scene needs for a stated error.
+//! Which absorbing boundary a scene needs for a stated error, and how much ground.
 //!
 //! # What is predicted
 //! The error of a boundary is by how much displacement and velocity differ from those with so much more
@@ -33,11 +33,14 @@ mod band;
 mod candidate;
 mod opening;
 mod report;
+mod room;
 mod setting;
 mod shell;
 
 pub use band::Band;
 pub use candidate::{BoundaryKind, Standing};
+pub use room::{BoxAdvice, NearerFaces, advise_box};
+pub(crate) use room::{at_share, kind_of};
 pub use setting::{ArrivingWave, Drive, Setting};
 
 use std::sync::Arc;

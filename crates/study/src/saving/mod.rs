@@ -102,7 +102,10 @@ impl fmt::Display for Change {
                 axis.name()
             ),
             Self::NearerFaces { share } => {
-                write!(f, "absorbing faces at {share} of their distance from the structure")
+                write!(
+                    f,
+                    "absorbing faces at {share} of their distance from the structure (`powerhouse advise box`)"
+                )
             }
             Self::LargerElements {
                 set,

@@ -3,12 +3,12 @@
 use std::collections::{HashMap, HashSet};
 
 use powerhouse::Scene;
-use powerhouse::model::{AbsorbingBoundary, Axis, Mesh, Vec3};
+use powerhouse::model::{Axis, Mesh, Vec3};
 use powerhouse::wavefield::WaveKind;
 
 use super::{Change, PredictedError, Saving};
 use crate::StudyError;
-use crate::advice::{BoundaryKind, Setting, predicted_error};
+use crate::advice::{Setting, at_share, kind_of, predicted_error};
 
 /// Nodes that are closer than this share of the mesh's diagonal are at one place.
 const TOLERANCE: f64 = 1e-6;
@@ -224,10 +224,7 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     let Some(boundary) = scene.absorbing_boundary() else {
         return Ok(None);
     };
-    let kind = match boundary.condition.name() {
-        "viscous" => BoundaryKind::Viscous,
-        _ => BoundaryKind::Springs { speed_ratio: 1.1 },
-    };
+    let kind = kind_of(boundary.condition.as_ref());
     // What advice refuses has no prediction.
     let Ok(setting) = Setting::of(scene) else {
         return Ok(None);
@@ -238,22 +235,15 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     let Ok(predicted) = predicted_error(&setting, NEARER, kind) else {
         return Ok(None);
     };
-    let mesh = scene.mesh();
-    let within = |face: Option<f64>, way: f64| face.is_none_or(|face| way <= NEARER * face);
-    let is_left = |element: &u32| {
-        let way = mesh.centroid(*element) - setting.centre;
-        let mut sides = way.iter().zip(&setting.distances);
-        sides.all(|(&way, &[below, above])| within(below, -way) && within(above, way))
-    };
-    let count = mesh.element_count();
-    let left = (0..count as u32).filter(is_left).count();
+    let left = at_share(scene, &setting, NEARER).elements as f64;
     let error = PredictedError {
         share: predicted,
         of: "displacement and velocity, that of the boundary as a whole",
         source: "an opening in a slice of the ground, as `powerhouse advise boundary` has it",
     };
     let change = Change::NearerFaces { share: NEARER };
+    let all = scene.mesh().element_count() as f64;
     Ok(predicted
         .is_finite()
-        .then(|| of_elements(change, left as f64 / count as f64, error)))
+        .then(|| of_elements(change, left / all, error)))
 }

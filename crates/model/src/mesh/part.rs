@@ -1,0 +1,164 @@
+//! Parts of a mesh: some of its elements, or those in a box, whose faces then stand where it ends.
+
+use std::collections::BTreeSet;
+
+use super::{Axis, Facet, Mesh, MeshError, Vec3};
+
+/// What differs by less than this share of the mesh's diagonal is the same.
+const TOLERANCE: f64 = 1e-6;
+
+impl Mesh {
+    /// The mesh of some elements, given in rising order, with their numbers and those of their nodes.
+    ///
+    /// Sets keep what of them is left, down to nothing; facets of elements that are left out go.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] if no elements are given.
+    ///
+    /// # Panics
+    /// If an element does not exist.
+    ///
+    /// ```
+    /// use powerhouse_model::{Mesh, Vec3};
+    /// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(4.0, 1.0, 1.0), [4, 1, 1], "rock")?;
+    /// let part = mesh.of_elements(&[0, 1, 3])?;
+    /// assert_eq!((part.element_count(), part.node_count()), (3, 20));
+    /// assert_eq!(part.facet_set("top")?.len(), 3);
+    /// # Ok::<(), powerhouse_model::MeshError>(())
+    /// ```
+    pub fn of_elements(&self, kept: &[u32]) -> Result<Self, MeshError> {
+        let nodes = self.nodes_of_elements(kept);
+        let number = |node: &u32| self.node_tags[*node as usize];
+        let mut builder = Self::builder();
+        for &node in &nodes {
+            builder.node(number(&node), self.positions[node as usize]);
+        }
+        for &element in kept {
+            let corners: Vec<u64> = self.nodes_of(element).iter().map(number).collect();
+            let tag = self.element_tags[element as usize];
+            builder.element(tag, self.kind(element), &corners, &[] as &[&str]);
+        }
+        let mut part = builder.build()?;
+        let place = |all: &[u32], one: &u32| all.binary_search(one).ok().map(|place| place as u32);
+        for (name, elements) in &self.element_sets {
+            let left = elements.iter().filter_map(|e| place(kept, e)).collect();
+            part.set_element_set(name, left)?;
+        }
+        for (name, set) in &self.node_sets {
+            let left = set.iter().filter_map(|node| place(&nodes, node)).collect();
+            part.set_node_set(name, left)?;
+        }
+        for (name, facets) in &self.facet_sets {
+            let left = facets.iter().filter_map(|facet| {
+                let element = place(kept, &facet.element)?;
+                Some(Facet { element, ..*facet })
+            });
+            part.set_facet_set(name, left.collect())?;
+        }
+        Ok(part)
+    }
+
+    /// The elements whose [centroids](Self::centroid) lie in a closed box (m), as
+    /// [`of_elements`](Self::of_elements), with the faces of the mesh where it now ends.
+    ///
+    /// A facet set that covers a whole plane side of the mesh covers what takes the place of that side:
+    /// such a set may absorb or be held as before. Sets of parts of a side keep what is left of them.
+    /// Where layers of elements are not plane the new side has steps.
+    ///
+    /// # Errors
+    /// [`MeshError::NothingWithin`] if no solid element lies there.
+    ///
+    /// ```
+    /// use powerhouse_model::{Mesh, Vec3};
+    /// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(8.0), [8; 3], "rock")?;
+    /// let near = mesh.within(&Vec3::new(2.0, 0.0, 3.0), &Vec3::repeat(8.0))?;
+    /// assert_eq!(near.element_count(), 6 * 8 * 5);
+    /// assert_eq!(near.bounding_box().0, Vec3::new(2.0, 0.0, 3.0));
+    /// assert_eq!(near.facet_set("left")?.len(), 8 * 5);
+    /// assert_eq!(near.facet_set("bottom")?.len(), 6 * 8);
+    /// # Ok::<(), powerhouse_model::MeshError>(())
+    /// ```
+    pub fn within(&self, low: &Vec3, high: &Vec3) -> Result<Self, MeshError> {
+        let kept = self.elements_in_box(low, high);
+        if !kept.iter().any(|&element| self.kind(element).is_solid()) {
+            return Err(MeshError::NothingWithin {
+                low: (*low).into(),
+                high: (*high).into(),
+            });
+        }
+        let mut part = self.of_elements(&kept)?;
+        let sides = self.cut_sides(&kept, (low, high));
+        for (name, facets) in &self.facet_sets {
+            let mut left: BTreeSet<Facet> = part.facet_set(name)?.iter().copied().collect();
+            let own: BTreeSet<&Facet> = facets.iter().collect();
+            for side in sides.iter().filter(|side| side.is_covered_by(&own)) {
+                left.extend(&side.new);
+            }
+            part.set_facet_set(name, left.into_iter().collect())?;
+        }
+        Ok(part)
+    }
+
+    /// The plane sides of the mesh beyond which a box does not reach, with what takes their places.
+    fn cut_sides(&self, kept: &[u32], (low, high): (&Vec3, &Vec3)) -> Vec<CutSide> {
+        let (least, greatest) = self.bounding_box();
+        let tolerance = TOLERANCE * (greatest - least).norm();
+        let is_kept = |element: u32| kept.binary_search(&element).is_ok();
+        // Of the lower and the upper side along each axis: whether something is cut off there.
+        let mut is_cut = [[false; 2]; 3];
+        for element in (0..self.element_count() as u32).filter(|&element| !is_kept(element)) {
+            let centroid = self.centroid(element);
+            for axis in 0..3 {
+                is_cut[axis][0] |= centroid[axis] < low[axis];
+                is_cut[axis][1] |= centroid[axis] > high[axis];
+            }
+        }
+        let mut sides = Vec::new();
+        for axis in [Axis::X, Axis::Y, Axis::Z] {
+            for (upper, plane) in [(false, least[axis.index()]), (true, greatest[axis.index()])] {
+                if is_cut[axis.index()][usize::from(upper)] {
+                    sides.push(CutSide {
+                        axis,
+                        sign: if upper { 1.0 } else { -1.0 },
+                        old: self.facets_on_plane(axis, plane, tolerance),
+                        new: Vec::new(),
+                    });
+                }
+            }
+        }
+        let surface: BTreeSet<Facet> = self.boundary_facets().into_iter().collect();
+        for facet in self.boundary_facets_of(is_kept) {
+            if surface.contains(&facet) {
+                continue;
+            }
+            let normal = self.facet_geometry(facet).normal();
+            let towards = |side: &CutSide| side.sign * normal[side.axis.index()];
+            let nearest = sides
+                .iter_mut()
+                .max_by(|a, b| towards(a).total_cmp(&towards(b)));
+            if let (Some(side), Ok(place)) = (nearest, kept.binary_search(&facet.element)) {
+                let element = place as u32;
+                side.new.push(Facet { element, ..facet });
+            }
+        }
+        sides
+    }
+}
+
+/// A plane side of a mesh that is cut off.
+struct CutSide {
+    axis: Axis,
+    /// Whether it looks along its axis or against it.
+    sign: f64,
+    /// Its facets.
+    old: Vec<Facet>,
+    /// Those of the part that take their place.
+    new: Vec<Facet>,
+}
+
+impl CutSide {
+    /// Whether facets hold all of the side.
+    fn is_covered_by(&self, facets: &BTreeSet<&Facet>) -> bool {
+        !self.old.is_empty() && self.old.iter().all(|old| facets.contains(old))
+    }
+}
