@@ -78,6 +78,13 @@ pub enum Remark {
         /// Its name in the scene.
         name: String,
     },
+    /// A history of the state of an element whose law remembers nothing.
+    NoState {
+        /// The name of the history.
+        name: String,
+        /// The element's number.
+        element: u64,
+    },
     /// A joint moved farther than pairs that keep their nodes can follow; found after the run.
     LargeSlip {
         /// The joint's name.
@@ -133,6 +140,7 @@ impl Remark {
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }
+            | Self::NoState { .. }
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
             | Self::LoadedSurface { .. } => true,
@@ -239,6 +247,10 @@ impl fmt::Display for Remark {
                     "record '{name}' drives neither a wave nor a prescribed motion"
                 )
             }
+            Self::NoState { name, element } => write!(
+                f,
+                "history '{name}' asks for the state of element {element}, whose law remembers nothing"
+            ),
             Self::LargeSlip { joint, share } => write!(
                 f,
                 "joint '{joint}' moved by {share:.2} of its facets' edges; its pairs keep their nodes, which holds up to about {:.2}",

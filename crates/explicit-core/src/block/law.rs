@@ -20,8 +20,10 @@ pub(super) type PointNumbers<S, const C: usize> = [[S; MOST_LANES]; C];
 /// How many batches ahead of their use histories are asked for.
 const AHEAD: usize = 2;
 
-/// Histories of up to so many variables stay on the stack.
+/// Histories of up to so many variables stay on the stack at a small price.
 const USUAL_VARIABLES: usize = 24;
+/// Those of up to so many at a larger one: what yields and is damped.
+const MANY_VARIABLES: usize = 48;
 
 /// What is done with the history.
 pub(crate) enum Memory<'a, S> {
@@ -132,13 +134,16 @@ impl<M: ConstitutiveLaw, S: BatchScalar> BatchOperation<S> for Answer<'_, '_, M,
     fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> bool {
         let zero = L::splat(token, 0.0);
         let variables = self.question.memory.get().variables();
-        let mut usual = Aligned([[zero; USUAL_VARIABLES]; 2]);
-        let mut many: [Vec<L>; 2];
+        let (mut usual, mut many, mut any);
         let [old, new]: [&mut [L]; 2] = if variables <= USUAL_VARIABLES {
+            usual = Aligned([[zero; USUAL_VARIABLES]; 2]);
             usual.0.each_mut().map(|numbers| &mut numbers[..variables])
+        } else if variables <= MANY_VARIABLES {
+            many = Aligned([[zero; MANY_VARIABLES]; 2]);
+            many.0.each_mut().map(|numbers| &mut numbers[..variables])
         } else {
-            many = [(); 2].map(|()| vec![zero; variables]);
-            many.each_mut().map(Vec::as_mut_slice)
+            any = [(); 2].map(|()| vec![zero; variables]);
+            any.each_mut().map(Vec::as_mut_slice)
         };
         self.all_points(token, old, new)
     }

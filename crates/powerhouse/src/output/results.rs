@@ -1,5 +1,6 @@
 //! What a run has given.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::time::Duration;
 
@@ -171,6 +172,7 @@ impl Recordings {
         mesh: &Mesh,
         present: Option<&[bool]>,
         remembered: &Remembered,
+        remarks: &mut Vec<Remark>,
     ) -> Result<(Self, Vec<Box<dyn Observer>>), Error> {
         let mut observers: Vec<Box<dyn Observer>> = Vec::new();
         let mut recordings = Self {
@@ -184,7 +186,8 @@ impl Recordings {
             joint_surfaces: Vec::new(),
             bolts: None,
         };
-        let history = histories(plan, mesh, remembered)?;
+        let (history, mut in_vain) = histories(plan, mesh, remembered)?;
+        remarks.append(&mut in_vain);
         if !history.is_empty() {
             recordings.histories = Some(history.recording());
             observers.push(Box::new(history));
@@ -355,7 +358,12 @@ impl JointWish {
     }
 }
 
-fn histories(plan: &OutputPlan, mesh: &Mesh, remembered: &Remembered) -> Result<History, Error> {
+/// The histories of a plan, and what is asked for in vain.
+fn histories(
+    plan: &OutputPlan,
+    mesh: &Mesh,
+    remembered: &Remembered,
+) -> Result<(History, Vec<Remark>), Error> {
     let mut builder = History::builder(Cadence::Seconds(plan.every));
     for wish in &plan.histories {
         if wish.motion != Motion::default() {
@@ -372,8 +380,20 @@ fn histories(plan: &OutputPlan, mesh: &Mesh, remembered: &Remembered) -> Result<
         let (from, at) = (wish.from.clone(), wish.at.clone());
         builder = builder.relative(&wish.name, from, at, Motion::DISPLACEMENT);
     }
-    let variables = |element| remembered.of_element(element).to_vec();
-    builder.build_with(mesh, variables).map_err(model)
+    // In the order of the places.
+    let asked = RefCell::new(Vec::new());
+    let variables = |element| {
+        asked.borrow_mut().push(element);
+        remembered.of_element(element).to_vec()
+    };
+    let history = builder.build_with(mesh, variables).map_err(model)?;
+    let places = plan.state.places.iter().zip(asked.into_inner());
+    let in_vain = places.filter(|(_, element)| remembered.of_element(*element).is_empty());
+    let remarks = in_vain.map(|(wish, element)| Remark::NoState {
+        name: wish.name.clone(),
+        element: mesh.element_tags()[element as usize],
+    });
+    Ok((history, remarks.collect()))
 }
 
 fn model(error: impl Into<ModelError>) -> Error {

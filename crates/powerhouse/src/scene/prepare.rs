@@ -56,8 +56,13 @@ impl Scene {
         let (pieces, mut remarks) = self.pieces(&rims)?;
         let timeline = Timeline::of(&self)?;
         let remembered = Remembered::of(&self, &rims)?;
-        let present = timeline.as_ref().and_then(Timeline::present);
-        let mut observed = Recordings::observe(&self.output, &self.mesh, present, &remembered)?;
+        let mut observed = Recordings::observe(
+            &self.output,
+            &self.mesh,
+            timeline.as_ref().and_then(Timeline::present),
+            &remembered,
+            &mut remarks,
+        )?;
         let own = core::mem::take(&mut self.constraints);
         let mut model = {
             let mut builder = Model::builder(&self.mesh);

@@ -150,3 +150,36 @@ fn nodes_have_no_state() {
         "{fault}"
     );
 }
+
+/// A history of the state of an element that remembers nothing is told by its name; one of an element that
+/// does is not.
+#[test]
+fn state_that_nothing_remembers_is_told() {
+    let variants = Variants::new("laws-no-state");
+    let wanted = "quantities = [\"displacement\", \"state\"]\n";
+    let remarks = |law: &str| -> Vec<String> {
+        let text = CUBE.replacen(ELASTIC, law, 1) + wanted;
+        let path = variants.0.0.join("cube.toml");
+        let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default());
+        let simulation = scene.unwrap().prepare().unwrap();
+        let warnings = simulation
+            .remarks()
+            .iter()
+            .filter(|remark| remark.is_warning());
+        warnings.map(ToString::to_string).collect()
+    };
+    let told = |remarks: Vec<String>| {
+        remarks
+            .iter()
+            .filter(|told| told.contains("remembers"))
+            .count()
+    };
+    assert!(
+        remarks(ELASTIC)
+            .iter()
+            .any(|told| told.starts_with("history 'surface' asks for the state of element"))
+    );
+    assert_eq!(told(remarks(ELASTIC)), 1);
+    let yields = "law = \"mohr-coulomb\"\npreset = \"paper-rock\"\n";
+    assert_eq!(told(remarks(yields)), 0);
+}

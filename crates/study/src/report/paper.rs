@@ -19,6 +19,8 @@ const INPUT: &str = "the record is another processing of the same event, and the
      1.7 m/s2 is the incident wave or the outcrop";
 const CONCRETE: &str = "softening and reinforcement of the concrete are not given; here stress is the mean of \
      an element";
+const STRENGTH: &str = "the paper's is above the 1.27 MPa of its concrete and above 1.18 MPa, c cot(phi), beyond \
+     which its law bears no tension; here no stress is, and it is the mean of an element";
 const REST: &str = "stages of excavation and the share that the lining bears are assumed";
 
 /// A figure of the paper and how it is found here.
@@ -51,13 +53,13 @@ const COMPARED: [Figure; 8] = [
     Figure {
         what: "greatest principal stress at A, SV 0 to 30 (MPa)",
         paper: "1.76",
-        why: CONCRETE,
+        why: STRENGTH,
         here: |cases| greatest_stress(cases, "sv", 30.0),
     },
     Figure {
         what: "greatest principal stress at A, P (MPa)",
         paper: "1.67",
-        why: CONCRETE,
+        why: STRENGTH,
         here: |cases| greatest_stress(cases, "p", 90.0),
     },
     Figure {
