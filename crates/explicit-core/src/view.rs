@@ -41,11 +41,8 @@ impl StepView for View<'_> {
         self.model.mesh.node_count()
     }
     fn displacement(&self, node: u32) -> Vec3 {
-        self.model.displacement(node) - self.stage_start(node)
-    }
-    fn stage_start(&self, node: u32) -> Vec3 {
         let start = self.model.stage_start.get(node as usize);
-        start.copied().unwrap_or_default()
+        self.model.displacement(node) - start.copied().unwrap_or_default()
     }
     fn velocity(&self, node: u32) -> Vec3 {
         let (before, after) = self.model.velocities_around(self.model.engine(node));

@@ -192,11 +192,6 @@ pub trait StepView {
     fn node_count(&self) -> usize;
     /// Displacement (m) at `time` since the start of the stage.
     fn displacement(&self, node: u32) -> Vec3;
-    /// Displacement (m) at the start of the stage, which makes the other one absolute; zero by
-    /// default.
-    fn stage_start(&self, _node: u32) -> Vec3 {
-        Vec3::zeros()
-    }
     /// Velocity (m/s) at `time`: the mean of the half steps before and after.
     fn velocity(&self, node: u32) -> Vec3;
     /// Acceleration (m/s2) at `time`.

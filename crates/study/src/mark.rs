@@ -7,10 +7,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 
+/// The software as far as results depend on it: its version, and a number that rises whenever the same inputs
+/// come to other results within a version.
+pub(crate) const REVISION: &str = concat!("powerhouse ", env!("CARGO_PKG_VERSION"), " revision 2");
+
 /// What a case was computed from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Mark {
-    /// The software and its version.
+    /// The [`REVISION`] of the software.
     software: String,
     /// The scene and the files beside it that it names, as a checksum of their bytes.
     inputs: String,
@@ -26,7 +30,7 @@ impl Mark {
         sum.add(scene.as_bytes());
         files.iter().for_each(|bytes| sum.add(bytes));
         Self {
-            software: concat!("powerhouse ", env!("CARGO_PKG_VERSION")).into(),
+            software: REVISION.into(),
             inputs: sum.text(),
             duration,
         }

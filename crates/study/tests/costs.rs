@@ -228,14 +228,15 @@ fn nearer_faces_leave_the_elements_that_are_predicted() {
         &report.savings,
         |change| matches!(change, Change::NearerFaces { share } if *share == 0.75),
     );
-    // The lower face is 45 m below the structure, 15 m above it the surface stays.
+    // The sides are 30 m from the middle of the structure, the lower face is 45 m below it; the surface
+    // stays. Elements that stand across a new face stay too.
     let [steps, elements] = counts(of_share(1.0));
     let found = counts(of_share(0.75));
-    let above = 9.0 * 9.0 * 9.0 / elements;
-    assert!(
-        nearer.elements < above + 0.05 && nearer.elements > above - 0.15,
-        "{nearer:?}"
-    );
+    let (low, high) = (Vec3::new(7.5, 7.5, -48.75), Vec3::new(52.5, 52.5, 0.0));
+    let left = of_share(1.0).mesh().within(&low, &high).unwrap();
+    let left = left.element_count() as f64 / elements;
+    assert!((nearer.elements - left).abs() < 1e-12, "{nearer:?} {left}");
+    assert!(left < 0.6 && found[1] / elements < left, "{left}");
     assert!((found[0] / steps - nearer.steps).abs() < 0.05);
     assert!(nearer.error.share > 0.0 && nearer.error.share < 1.0);
 }

@@ -271,7 +271,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
 }
 
 /// Cases side by side come to the same bits as one after the other, go through stages that they share once,
-/// and are told and kept in the order of the scene.
+/// and stand in the table in the order of the scene.
 #[test]
 fn cases_run_side_by_side() {
     let folder = Folder::new("side-by-side");

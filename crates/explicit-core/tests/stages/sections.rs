@@ -2,12 +2,12 @@
 
 use powerhouse_explicit_core::observe::{Cut, SectionForces};
 use powerhouse_explicit_core::{
-    BlockFactory, BlockOptions, Leapfrog, Model, NodalForce, RunOptions, SolidKernel, Stage,
-    StageModel, StaticOptions, Support, run, run_stages,
+    BlockFactory, BlockOptions, Leapfrog, Model, NodalForce, Precision, RunOptions, SolidKernel,
+    Stage, StageModel, StaticOptions, StressField, Support, run, run_stages,
 };
 use powerhouse_model::{Cadence, Mesh, State, Vec3};
 
-use super::{BRICK, Elastic, GRAVITY, Yielding, face_nodes, rock};
+use super::{BRICK, Elastic, GRAVITY, Yielding, elastic_body, face_nodes, on_rollers, rock, weak};
 
 /// A pillar of which the upper half is cast on the lower one; pushes at half its height, from the start,
 /// and at its head.
@@ -137,6 +137,67 @@ fn what_stages_left_counts() {
                     "{kernel:?} {plastic:e} {height}: {found} {expected}"
                 );
             }
+        }
+    }
+}
+
+/// Cuts through ground that bears its weight by an initial stress alone, elastic or close to yielding, carry the
+/// weight above them.
+#[test]
+fn initial_stress_counts() {
+    let size = Vec3::new(3.0, 2.0, 24.0);
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [3, 2, 12], "ground").unwrap();
+    let weight = rock().density * GRAVITY.norm();
+    let field = StressField::geostatic(size.z, weight, [0.9, 0.9]).unwrap();
+    let mut state = State::at_rest(mesh.node_count());
+    state.initial_stress = field.of_elements(&mesh);
+    for elastic in [true, false] {
+        let body = |state: State| {
+            let builder = if elastic {
+                elastic_body(&mesh)
+            } else {
+                Model::builder(&mesh).elements("ground", weak("ground", Precision::F64))
+            };
+            let held = on_rollers(&mesh, builder).gravity(GRAVITY, Box::new(|_: f64| 1.0));
+            held.start(state).build().unwrap()
+        };
+        let mut at_rest = body(state.clone());
+        let options = StaticOptions::default().with_tolerance(1.0e-10);
+        at_rest.equilibrate(&options, &mut |_| {}).unwrap();
+        let mut model = body(at_rest.state());
+        model.hand_over(1.0e-6).unwrap();
+        let mut forces = SectionForces::new(Cadence::Steps(1)).unwrap();
+        let heights = [4.0, 9.3, 17.5];
+        for height in heights {
+            let cut = Cut {
+                name: format!("at {height}"),
+                point: Vec3::z() * height,
+                normal: Vec3::z(),
+                along: Vec3::y(),
+                within: None,
+            };
+            let elements = mesh.element_set("ground").unwrap();
+            forces.add_cut(&mesh, &cut, elements).unwrap();
+        }
+        let table = forces.recording();
+        let options = RunOptions::steps(2);
+        run(
+            &mut model,
+            &Leapfrog,
+            &options,
+            &mut [Box::new(forces)],
+            &mut |_| {},
+        )
+        .unwrap();
+        for height in heights {
+            let column = format!("at {height}.axial");
+            let found = table.read(|table| table.column(&column).unwrap().values[1]);
+            let expected = -weight * (size.z - height) * size.x * size.y;
+            // Stress is linear in depth: nothing but rounding and the motion of two steps.
+            assert!(
+                (found / expected - 1.0).abs() < 1.0e-6,
+                "{elastic} {height}: {found} {expected}"
+            );
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Parts of a mesh: some of its elements, or those in a box, whose faces then stand where it ends.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use super::{Axis, Facet, Mesh, MeshError, Vec3};
 
@@ -8,15 +8,12 @@ use super::{Axis, Facet, Mesh, MeshError, Vec3};
 const TOLERANCE: f64 = 1e-6;
 
 impl Mesh {
-    /// The mesh of some elements, given in rising order, with their numbers and those of their nodes.
+    /// The mesh of some elements with their numbers and those of their nodes.
     ///
     /// Sets keep what of them is left, down to nothing; facets of elements that are left out go.
     ///
     /// # Errors
-    /// [`MeshError::Empty`] if no elements are given.
-    ///
-    /// # Panics
-    /// If an element does not exist.
+    /// [`MeshError::Empty`] if no elements are given, [`MeshError::SetOutOfRange`] if one does not exist.
     ///
     /// ```
     /// use powerhouse_model::{Mesh, Vec3};
@@ -27,13 +24,24 @@ impl Mesh {
     /// # Ok::<(), powerhouse_model::MeshError>(())
     /// ```
     pub fn of_elements(&self, kept: &[u32]) -> Result<Self, MeshError> {
-        let nodes = self.nodes_of_elements(kept);
+        let kept: BTreeSet<u32> = kept.iter().copied().collect();
+        if let Some(&last) = kept.last()
+            && last as usize >= self.element_count()
+        {
+            return Err(MeshError::SetOutOfRange {
+                what: "element",
+                name: "part".into(),
+                number: last.into(),
+            });
+        }
+        let kept: Vec<u32> = kept.into_iter().collect();
+        let nodes = self.nodes_of_elements(&kept);
         let number = |node: &u32| self.node_tags[*node as usize];
         let mut builder = Self::builder();
         for &node in &nodes {
             builder.node(number(&node), self.positions[node as usize]);
         }
-        for &element in kept {
+        for &element in &kept {
             let corners: Vec<u64> = self.nodes_of(element).iter().map(number).collect();
             let tag = self.element_tags[element as usize];
             builder.element(tag, self.kind(element), &corners, &[] as &[&str]);
@@ -41,7 +49,7 @@ impl Mesh {
         let mut part = builder.build()?;
         let place = |all: &[u32], one: &u32| all.binary_search(one).ok().map(|place| place as u32);
         for (name, elements) in &self.element_sets {
-            let left = elements.iter().filter_map(|e| place(kept, e)).collect();
+            let left = elements.iter().filter_map(|e| place(&kept, e)).collect();
             part.set_element_set(name, left)?;
         }
         for (name, set) in &self.node_sets {
@@ -50,7 +58,7 @@ impl Mesh {
         }
         for (name, facets) in &self.facet_sets {
             let left = facets.iter().filter_map(|facet| {
-                let element = place(kept, &facet.element)?;
+                let element = place(&kept, &facet.element)?;
                 Some(Facet { element, ..*facet })
             });
             part.set_facet_set(name, left.collect())?;
@@ -62,8 +70,8 @@ impl Mesh {
     /// [`of_elements`](Self::of_elements), with the faces of the mesh where it now ends.
     ///
     /// A facet set that covers a whole plane side of the mesh covers what takes the place of that side:
-    /// such a set may absorb or be held as before. Sets of parts of a side keep what is left of them.
-    /// Where layers of elements are not plane the new side has steps.
+    /// such a set may absorb or be held as before. Sets of parts of a side, and sets of nodes, keep what is
+    /// left of them. Where layers of elements are not plane the new side has steps.
     ///
     /// # Errors
     /// [`MeshError::NothingWithin`] if no solid element lies there.
@@ -99,46 +107,54 @@ impl Mesh {
         Ok(part)
     }
 
-    /// The plane sides of the mesh beyond which a box does not reach, with what takes their places.
+    /// The plane sides of the mesh beyond which a box does not reach, with what takes their places: each
+    /// facet that has lost its neighbour goes to the side beyond which that lies farthest.
     fn cut_sides(&self, kept: &[u32], (low, high): (&Vec3, &Vec3)) -> Vec<CutSide> {
         let (least, greatest) = self.bounding_box();
         let tolerance = TOLERANCE * (greatest - least).norm();
         let is_kept = |element: u32| kept.binary_search(&element).is_ok();
-        // Of the lower and the upper side along each axis: whether something is cut off there.
-        let mut is_cut = [[false; 2]; 3];
+        let sorted = |facet: Facet| {
+            let mut nodes = self.facet_nodes(facet).to_vec();
+            nodes.sort_unstable();
+            nodes
+        };
+        let surface: BTreeSet<Facet> = self.boundary_facets().into_iter().collect();
+        let mut bare: HashMap<Vec<u32>, Facet> = (self.boundary_facets_of(is_kept).into_iter())
+            .filter(|facet| !surface.contains(facet))
+            .map(|facet| (sorted(facet), facet))
+            .collect();
+        let mut sides: Vec<CutSide> = [Axis::X, Axis::Y, Axis::Z]
+            .into_iter()
+            .flat_map(|axis| {
+                let ends = [
+                    (-1.0, least[axis.index()], low[axis.index()]),
+                    (1.0, greatest[axis.index()], high[axis.index()]),
+                ];
+                ends.map(|(sign, plane, bound)| (axis, sign, plane, bound))
+            })
+            .map(|(axis, sign, plane, bound)| CutSide {
+                axis,
+                sign,
+                bound,
+                old: self.facets_on_plane(axis, plane, tolerance),
+                new: Vec::new(),
+            })
+            .collect();
         for element in (0..self.element_count() as u32).filter(|&element| !is_kept(element)) {
             let centroid = self.centroid(element);
-            for axis in 0..3 {
-                is_cut[axis][0] |= centroid[axis] < low[axis];
-                is_cut[axis][1] |= centroid[axis] > high[axis];
-            }
-        }
-        let mut sides = Vec::new();
-        for axis in [Axis::X, Axis::Y, Axis::Z] {
-            for (upper, plane) in [(false, least[axis.index()]), (true, greatest[axis.index()])] {
-                if is_cut[axis.index()][usize::from(upper)] {
-                    sides.push(CutSide {
-                        axis,
-                        sign: if upper { 1.0 } else { -1.0 },
-                        old: self.facets_on_plane(axis, plane, tolerance),
-                        new: Vec::new(),
-                    });
+            for side in 0..self.kind(element).sides().len() as u8 {
+                let Some(facet) = bare.remove(&sorted(Facet { element, side })) else {
+                    continue;
+                };
+                let beyond =
+                    |side: &CutSide| side.sign * (centroid[side.axis.index()] - side.bound);
+                let farthest = sides
+                    .iter_mut()
+                    .max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+                if let (Some(side), Ok(place)) = (farthest, kept.binary_search(&facet.element)) {
+                    let element = place as u32;
+                    side.new.push(Facet { element, ..facet });
                 }
-            }
-        }
-        let surface: BTreeSet<Facet> = self.boundary_facets().into_iter().collect();
-        for facet in self.boundary_facets_of(is_kept) {
-            if surface.contains(&facet) {
-                continue;
-            }
-            let normal = self.facet_geometry(facet).normal();
-            let towards = |side: &CutSide| side.sign * normal[side.axis.index()];
-            let nearest = sides
-                .iter_mut()
-                .max_by(|a, b| towards(a).total_cmp(&towards(b)));
-            if let (Some(side), Ok(place)) = (nearest, kept.binary_search(&facet.element)) {
-                let element = place as u32;
-                side.new.push(Facet { element, ..facet });
             }
         }
         sides
@@ -150,6 +166,8 @@ struct CutSide {
     axis: Axis,
     /// Whether it looks along its axis or against it.
     sign: f64,
+    /// Where the box ends (m).
+    bound: f64,
     /// Its facets.
     old: Vec<Facet>,
     /// Those of the part that take their place.

@@ -87,15 +87,13 @@ fn a_side_may_have_steps() {
         Vec3::new(p.x + 0.3 * inside * p.z, p.y, p.z)
     });
     let leaning = leaning.unwrap();
-    let part = leaning
-        .within(&Vec3::repeat(-1.0), &Vec3::new(6.0, 2.0, 9.0))
-        .unwrap();
+    let (low, high) = (Vec3::new(2.5, -1.0, -1.0), Vec3::new(6.0, 2.0, 9.0));
+    let part = leaning.within(&low, &high).unwrap();
     let right = part.facet_set("right").unwrap();
-    assert!(
-        right
-            .iter()
-            .all(|&facet| part.facet_geometry(facet).normal().x > -1e-12)
-    );
+    let middle = |facet: &Facet| part.facet_geometry(*facet).centroid.x;
+    assert!(right.iter().all(|facet| middle(facet) > 4.5));
+    let left = part.facet_set("left").unwrap();
+    assert!(left.iter().all(|facet| middle(facet) < 4.0));
     let steps = right
         .iter()
         .filter(|&&facet| part.facet_geometry(facet).normal().z.abs() > 0.9);
@@ -117,4 +115,11 @@ fn an_empty_box_is_refused() {
     assert_eq!((low, high), ([9.0; 3], [10.0; 3]));
     assert!(mesh.within(&Vec3::repeat(2.0), &Vec3::repeat(1.0)).is_err());
     assert!(matches!(mesh.of_elements(&[]), Err(MeshError::Empty)));
+    let beyond = mesh.of_elements(&[3, 999]);
+    assert!(matches!(
+        beyond,
+        Err(MeshError::SetOutOfRange { number: 999, .. })
+    ));
+    let any_order = mesh.of_elements(&[7, 3, 3]).unwrap();
+    assert_eq!(any_order.element_set("rock").unwrap(), [0, 1]);
 }

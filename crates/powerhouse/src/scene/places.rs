@@ -147,11 +147,9 @@ impl Places {
             return self.materials.get(set).cloned();
         }
         match source.downcast_ref() {
-            Some(
-                ObserveError::EmptyCut { cut }
-                | ObserveError::NoDirection { cut, .. }
-                | ObserveError::NoForces { cut },
-            ) => self.cuts.get(cut).cloned(),
+            Some(ObserveError::EmptyCut { cut } | ObserveError::NoDirection { cut, .. }) => {
+                self.cuts.get(cut).cloned()
+            }
             _ => None,
         }
     }

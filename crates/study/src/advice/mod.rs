@@ -40,7 +40,7 @@ mod shell;
 pub use band::Band;
 pub use candidate::{BoundaryKind, Standing};
 pub use room::{BoxAdvice, NearerFaces, advise_box};
-pub(crate) use room::{at_share, kind_of};
+pub(crate) use room::{elements_at, kind_of};
 pub use setting::{ArrivingWave, Drive, Setting};
 
 use std::sync::Arc;

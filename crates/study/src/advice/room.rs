@@ -3,8 +3,10 @@
 use core::fmt;
 
 use powerhouse::Scene;
+use powerhouse::engine::observe::Place;
 use powerhouse::model::{AbsorbingBoundary, ParameterError, Vec3};
 
+use super::setting::scatterers;
 use super::{BoundaryKind, Setting, predicted_error};
 use crate::StudyError;
 
@@ -89,32 +91,56 @@ pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
     }
 }
 
-/// The elements of a scene with their centroids in the box of its faces at a share of their distances, and
-/// that box.
-pub(crate) fn at_share(scene: &Scene, setting: &Setting, share: f64) -> NearerFaces {
-    let mesh = scene.mesh();
-    let (least, greatest) = mesh.bounding_box();
-    let within = [0, 1, 2].map(|axis| {
+/// Coordinates are told to a millimetre, outwards.
+const DIGITS: f64 = 1e3;
+
+/// The box of a scene's faces at a share of their distances, along the axes where some absorb.
+fn box_at(scene: &Scene, setting: &Setting, share: f64) -> [Option<[f64; 2]>; 3] {
+    let (least, greatest) = scene.mesh().bounding_box();
+    [0, 1, 2].map(|axis| {
         let [below, above] = setting.distances[axis];
         let centre = setting.centre[axis];
         let low = below.map_or(least[axis], |way| centre - share * way);
         let high = above.map_or(greatest[axis], |way| centre + share * way);
-        (below.is_some() || above.is_some()).then_some([low, high])
-    });
-    let bound = |end: usize, otherwise: f64| {
+        let outwards = [(low * DIGITS).floor(), (high * DIGITS).ceil()];
+        (below.is_some() || above.is_some()).then_some(outwards.map(|end| end / DIGITS))
+    })
+}
+
+/// The corners of a box, without end where it has no bounds.
+fn corners(within: &[Option<[f64; 2]>; 3]) -> (Vec3, Vec3) {
+    let end = |end: usize, otherwise: f64| {
         Vec3::from(within.map(|pair| pair.map_or(otherwise, |pair| pair[end])))
     };
-    let (low, high) = (bound(0, f64::NEG_INFINITY), bound(1, f64::INFINITY));
-    NearerFaces {
-        share,
-        predicted: f64::NAN,
-        within,
-        elements: mesh.elements_in_box(&low, &high).len(),
-    }
+    (end(0, f64::NEG_INFINITY), end(1, f64::INFINITY))
+}
+
+/// How many elements of a scene have their centroids in the box of its faces at a share of their distances.
+pub(crate) fn elements_at(scene: &Scene, setting: &Setting, share: f64) -> usize {
+    let (low, high) = corners(&box_at(scene, setting, share));
+    scene.mesh().elements_in_box(&low, &high).len()
+}
+
+/// Whether a box holds all that scatters and every point that is recorded.
+fn holds(scene: &Scene, scatterers: &[u32], within: &[Option<[f64; 2]>; 3]) -> bool {
+    let (low, high) = corners(within);
+    let inside = |position: &Vec3| (0..3).all(|i| low[i] <= position[i] && position[i] <= high[i]);
+    let plan = scene.output_plan();
+    let places = (plan.histories.iter().map(|wish| &wish.place))
+        .chain(plan.relative.iter().flat_map(|wish| [&wish.at, &wish.from]));
+    let mut recorded = places.filter_map(|place| match place {
+        Place::Spot(spot) => Some(spot.position),
+        _ => None,
+    });
+    let positions = scene.mesh().positions();
+    let mut structure = scatterers.iter().map(|&node| &positions[node as usize]);
+    structure.all(inside) && recorded.all(|position| inside(&position))
 }
 
 /// How near the absorbing faces of a scene may come to what scatters, all by one share of their distances,
-/// for an error that is predicted as [`advise_boundary`](super::advise_boundary) predicts it.
+/// for an error that is predicted as [`advise_boundary`](super::advise_boundary) predicts it, of dashpots or of
+/// springs. What scatters, and the points that are recorded, stay within; the faces of the mesh that is left
+/// stand within half an element of the box.
 ///
 /// # Errors
 /// As [`advise_boundary`](super::advise_boundary).
@@ -138,10 +164,15 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
         elements: scene.mesh().element_count(),
         nearer: None,
     };
-    if advice.as_it_stands > error {
+    if advice.as_it_stands > error || setting.radius.is_none() {
         return Ok(advice);
     }
+    let scatterers = scatterers(scene)?;
     for share in SHARES {
+        let within = box_at(scene, &setting, share);
+        if !holds(scene, &scatterers, &within) {
+            break;
+        }
         // What leaves no room for a prediction is too near.
         let Ok(predicted) = predicted_error(&setting, share, kind) else {
             break;
@@ -150,8 +181,10 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
             break;
         }
         advice.nearer = Some(NearerFaces {
+            share,
             predicted,
-            ..at_share(scene, &setting, share)
+            within,
+            elements: elements_at(scene, &setting, share),
         });
     }
     Ok(advice)

@@ -136,9 +136,8 @@ impl Setting {
     }
 }
 
-/// How far from a centre that which scatters reaches, across the axis along which it goes on, or across
-/// that along which it is longest.
-fn radius(scene: &Scene, centre: &Vec3, long: Option<usize>) -> Result<Option<f64>, StudyError> {
+/// Nodes of what scatters: of parts that touch no absorbing face, and of free facets inside the mesh's box.
+pub(super) fn scatterers(scene: &Scene) -> Result<Vec<u32>, StudyError> {
     let mesh = scene.mesh();
     let behind = scene.parts_behind_boundary()?;
     let mut nodes = Vec::new();
@@ -167,6 +166,13 @@ fn radius(scene: &Scene, centre: &Vec3, long: Option<usize>) -> Result<Option<f6
             nodes.extend(of_facet);
         }
     }
+    Ok(nodes)
+}
+
+/// How far from a centre that which scatters reaches, across the axis along which it goes on, or across
+/// that along which it is longest.
+fn radius(scene: &Scene, centre: &Vec3, long: Option<usize>) -> Result<Option<f64>, StudyError> {
+    let (mesh, nodes) = (scene.mesh(), scatterers(scene)?);
     let across = |axis: usize| {
         let distance = |&node: &u32| {
             let mut way = mesh.positions()[node as usize] - centre;

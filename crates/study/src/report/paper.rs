@@ -20,7 +20,7 @@ const INPUT: &str = "the record is another processing of the same event, and the
 const CONCRETE: &str = "softening and reinforcement of the concrete are not given; here stress is the mean of \
      an element";
 const STRENGTH: &str = "the paper's is above the 1.27 MPa of its concrete and above 1.18 MPa, c cot(phi), beyond \
-     which its law bears no tension; here no stress is, and it is the mean of an element";
+     which its law bears no tension; here stress is the mean of an element";
 const REST: &str = "stages of excavation and the share that the lining bears are assumed";
 
 /// A figure of the paper and how it is found here.

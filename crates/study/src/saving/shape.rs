@@ -8,7 +8,7 @@ use powerhouse::wavefield::WaveKind;
 
 use super::{Change, PredictedError, Saving};
 use crate::StudyError;
-use crate::advice::{Setting, at_share, kind_of, predicted_error};
+use crate::advice::{Setting, elements_at, kind_of, predicted_error};
 
 /// Nodes that are closer than this share of the mesh's diagonal are at one place.
 const TOLERANCE: f64 = 1e-6;
@@ -235,7 +235,7 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     let Ok(predicted) = predicted_error(&setting, NEARER, kind) else {
         return Ok(None);
     };
-    let left = at_share(scene, &setting, NEARER).elements as f64;
+    let left = elements_at(scene, &setting, NEARER) as f64;
     let error = PredictedError {
         share: predicted,
         of: "displacement and velocity, that of the boundary as a whole",

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
 use powerhouse::model::Mesh;
 use powerhouse::{BodyAtRest, Scene};
 
+use super::locked;
 use crate::StudyError;
-use crate::mark::{Checksum, is_case};
+use crate::mark::{Checksum, REVISION, is_case};
 
 /// The folder of the files of bodies in that of a sweep.
 const FOLDER: &str = "at-rest";
@@ -27,36 +29,38 @@ const SECTIONS: [&str; 8] = [
 /// The bodies of a sweep by their keys.
 pub(super) struct Bodies {
     folder: PathBuf,
-    known: BTreeMap<String, BodyAtRest>,
+    slots: Mutex<BTreeMap<String, Slot>>,
 }
 
+/// Where the body of a key stands, once it is known; who holds it may find it.
+pub(super) type Slot = Arc<Mutex<Option<BodyAtRest>>>;
+
 impl Bodies {
-    /// Those in memory, none yet, and those that an earlier sweep left in the folder.
+    /// Those of files that an earlier sweep left in the folder.
     pub(super) fn in_folder(folder: &Path) -> Self {
         Self {
             folder: folder.join(FOLDER),
-            known: BTreeMap::new(),
+            slots: Mutex::default(),
         }
     }
 
-    /// The body of a key. A file that is not whole, or of another version, is as none.
-    pub(super) fn get(&mut self, key: &str) -> Option<BodyAtRest> {
-        if let Some(body) = self.known.get(key) {
-            return Some(body.clone());
-        }
-        let body = BodyAtRest::read(&self.file(key)).ok()?;
-        self.known.insert(key.into(), body.clone());
-        Some(body)
+    /// The slot of a key.
+    pub(super) fn slot(&self, key: &str) -> Slot {
+        let mut slots = locked(&self.slots);
+        slots.entry(key.to_owned()).or_default().clone()
     }
 
-    /// Keeps a body.
+    /// The body of a key from its file. One that is not whole, or of another version, is as none.
+    pub(super) fn read(&self, key: &str) -> Option<BodyAtRest> {
+        BodyAtRest::read(&self.file(key)).ok()
+    }
+
+    /// Keeps a body in a file.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(super) fn keep(&mut self, key: String, body: &BodyAtRest) -> Result<(), StudyError> {
-        body.write(&self.file(&key))?;
-        self.known.insert(key, body.clone());
-        Ok(())
+    pub(super) fn write(&self, key: &str, body: &BodyAtRest) -> Result<(), StudyError> {
+        Ok(body.write(&self.file(key))?)
     }
 
     fn file(&self, key: &str) -> PathBuf {
@@ -69,7 +73,7 @@ impl Bodies {
 /// that acts before the motion.
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
-    sum.add(env!("CARGO_PKG_VERSION").as_bytes());
+    sum.add(REVISION.as_bytes());
     add_mesh(&mut sum, scene.mesh());
     // Which nodes, and in which directions.
     let held = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());

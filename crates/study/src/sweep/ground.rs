@@ -10,6 +10,9 @@ use powerhouse::model::{Cadence, FieldMotion, ModelError, Observer, StepView, St
 use super::outcome::{Peak, displacement_peaks};
 use crate::StudyError;
 
+/// No more samples than this of a history, however closely a scene asks for them.
+const MOST_SAMPLES: f64 = 1e5;
+
 /// A step of ground that moves as the waves that come in; it takes down which nodes are asked for.
 struct Ground {
     nodes: usize,
@@ -52,9 +55,10 @@ impl StepView for Ground {
 /// places.
 pub(super) fn relative_peaks(scene: &Scene) -> Result<Vec<Peak>, StudyError> {
     let (plan, mesh) = (scene.output_plan(), scene.mesh());
-    let Some(field) = scene.incident_field() else {
+    let Some(field) = scene.incident_field().filter(|_| !plan.relative.is_empty()) else {
         return Ok(Vec::new());
     };
+    let every = plan.every.max(scene.run_duration() / MOST_SAMPLES);
     let history = || {
         let mut builder = History::builder(Cadence::Seconds(plan.every));
         for wish in &plan.relative {
@@ -77,10 +81,10 @@ pub(super) fn relative_peaks(scene: &Scene) -> Result<Vec<Peak>, StudyError> {
     };
     let mut history = history()?;
     let recording = history.recording();
-    let count = (scene.run_duration() / plan.every).ceil() as u64;
+    let count = (scene.run_duration() / every).ceil() as u64;
     let mut motion = Vec::new();
     for sample in 0..=count {
-        ground.time = scene.start_time() + sample as f64 * plan.every;
+        ground.time = scene.start_time() + sample as f64 * every;
         motion.clear();
         motion.resize(positions.len(), FieldMotion::default());
         sampler.add_motion(ground.time, &mut motion);

@@ -162,9 +162,9 @@ impl Sweep {
         Ok(self)
     }
 
-    /// The same with so many cases side by side, each with its share of the cores; the bits of their
-    /// results do not depend on it. Each takes the memory of one. Cases for which the stages have to be
-    /// gone through wait for each other there.
+    /// The same with so many cases side by side, each with its share of the cores unless the scene says how
+    /// many threads it takes; the bits of results do not depend on it. Each takes the memory of one. Cases that
+    /// share stages wait for the one that goes through them.
     #[must_use]
     pub fn side_by_side(mut self, cases: NonZeroUsize) -> Self {
         self.at_once = cases;
@@ -183,7 +183,7 @@ impl Sweep {
     /// Runs the cases that are not finished yet; writes the results of each, and a table of all.
     ///
     /// # Errors
-    /// The first case that is refused or fails; [`StudyError::Changed`] if the scene's file was edited
+    /// The first case that is refused or fails, when those beside it are finished; [`StudyError::Changed`] if the scene's file was edited
     /// on the way; [`StudyError::Interrupted`] if it was stopped from
     /// outside. What was finished until then stays, and another run goes on from there.
     pub fn run(
@@ -192,7 +192,7 @@ impl Sweep {
         watch: &mut dyn SweepWatch,
     ) -> Result<Vec<CaseOutcome>, StudyError> {
         self.write_inputs()?;
-        let bodies = Mutex::new(Bodies::in_folder(&self.folder));
+        let bodies = Bodies::in_folder(&self.folder);
         let watch = Mutex::new(watch);
         workers::side_by_side(self.cases.len(), self.at_once, |place| {
             let case = &self.cases[place];
@@ -262,12 +262,13 @@ impl Sweep {
         case: &str,
         path: &Path,
         (stop, watch): (Option<&Arc<AtomicBool>>, &Mutex<&mut dyn SweepWatch>),
-        bodies: &Mutex<Bodies>,
+        bodies: &Bodies,
     ) -> Result<CaseOutcome, StudyError> {
         let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
-        if self.at_once > NonZeroUsize::MIN && scene.thread_count().is_none() {
-            let cores = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-            scene = scene.threads((cores.get() / self.at_once).max(1));
+        let at_once = self.at_once.get().min(self.cases.len());
+        if at_once > 1 && scene.thread_count().is_none() {
+            let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+            scene = scene.threads((cores / at_once).max(1));
         }
         if let Some(duration) = self.duration {
             scene = scene.duration(duration);
@@ -293,26 +294,27 @@ impl Sweep {
         folder.create()?;
         folder.clear()?;
         let at_rest = {
-            // Others that need the same body wait for it.
-            let mut bodies = locked(bodies);
-            match bodies.get(&body) {
-                Some(body) => Some(body),
-                None => {
-                    let started = Instant::now();
-                    let files = folder.stages(&mesh, simulation.joint_surfaces())?;
-                    let told = locked(watch).stages(files);
-                    let found = simulation.bring_to_rest(stop, Some(told));
-                    let found = found.map_err(|error| match error {
-                        powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
-                        error => error.into(),
-                    })?;
-                    if let Some(found) = &found {
-                        locked(watch).at_rest(case, started.elapsed());
-                        bodies.keep(body, found)?;
-                    }
-                    found
+            let slot = bodies.slot(&body);
+            // Others that need the same body wait for it here.
+            let mut at_rest = locked(&slot);
+            if at_rest.is_none() {
+                *at_rest = bodies.read(&body);
+            }
+            if at_rest.is_none() {
+                let started = Instant::now();
+                let files = folder.stages(&mesh, simulation.joint_surfaces())?;
+                let told = locked(watch).stages(files);
+                let found = simulation.bring_to_rest(stop, Some(told));
+                *at_rest = found.map_err(|error| match error {
+                    powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
+                    error => error.into(),
+                })?;
+                if let Some(found) = &*at_rest {
+                    locked(watch).at_rest(case, started.elapsed());
+                    bodies.write(&body, found)?;
                 }
             }
+            at_rest.clone()
         };
         let hooks = RunHooks {
             progress: locked(watch).progress(case),

@@ -65,6 +65,17 @@ mod tests {
         assert!(side_by_side(0, NonZeroUsize::MIN, Ok).unwrap().is_empty());
     }
 
+    /// Two workers are at two jobs at once: each of these waits for the other.
+    #[test]
+    fn workers_work_side_by_side() {
+        let both = std::sync::Barrier::new(2);
+        let found = side_by_side(2, NonZeroUsize::new(2).unwrap(), |place| {
+            both.wait();
+            Ok(place)
+        });
+        assert_eq!(found.unwrap(), [0, 1]);
+    }
+
     /// After a fault no other job is begun, and the first fault is told.
     #[test]
     fn a_fault_ends_the_work() {
