@@ -17,10 +17,11 @@
 //! Run from the top of the project: `cargo run --release --example cost_model`
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 use std::time::Instant;
 
 use powerhouse::{RunHooks, Scene};
+use powerhouse_examples::process::{apart_from_this, most_memory};
 use powerhouse_examples::{Figures, Outcome};
 
 /// The most by which prediction and measurement may differ, one over the other.
@@ -120,21 +121,11 @@ fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     })
 }
 
-/// The most memory that this process has held (bytes), where the system tells.
-fn most_memory() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024.0 * kilobytes)
-}
-
 /// The same in a process of its own.
 fn measured(file: &str, duration: f64) -> Outcome<Cost> {
     let name = format!("powerhouse-cost-{}-{file}", std::process::id());
     let folder = std::env::temp_dir().join(name);
-    let told = apart_from_this(&[
+    let told = cost_apart(&[
         "run",
         file,
         &duration.to_string(),
@@ -145,19 +136,9 @@ fn measured(file: &str, duration: f64) -> Outcome<Cost> {
 }
 
 /// What this program tells of a cost with other arguments, in a process of its own.
-fn apart_from_this(arguments: &[&str]) -> Outcome<Cost> {
-    let output = Command::new(std::env::current_exe()?)
-        .args(arguments)
-        .output()?;
-    let text = String::from_utf8(output.stdout)?;
-    let numbers: Vec<f64> = text
-        .split_whitespace()
-        .filter_map(|x| x.parse().ok())
-        .collect();
-    match numbers[..] {
-        [time, memory] => Ok(Cost { time, memory }),
-        _ => Err(String::from_utf8_lossy(&output.stderr).into()),
-    }
+fn cost_apart(arguments: &[&str]) -> Outcome<Cost> {
+    let [time, memory] = apart_from_this(arguments)?;
+    Ok(Cost { time, memory })
 }
 
 /// How far two costs are apart, the larger over the smaller.
@@ -210,7 +191,7 @@ fn main() -> Outcome<ExitCode> {
             time: stages.wall_time.as_secs_f64(),
             memory: stages.memory as f64,
         };
-        let found = apart_from_this(&["rest", name])?;
+        let found = cost_apart(&["rest", name])?;
         // Stages that were gone through are as far off as the clock.
         let limits = [stages.uncertainty.max(LIMIT), MEMORY_LIMIT];
         compare(&mut figures, name, (expected, found), limits);

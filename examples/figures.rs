@@ -6,6 +6,7 @@ pub mod cavity;
 pub mod column;
 pub mod interface;
 pub mod prices;
+pub mod process;
 pub mod reference;
 pub mod softening;
 pub mod strip;

@@ -15,7 +15,7 @@
 //!
 //! Run from the top of the project: `cargo run --release --example scene_classes`
 
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -35,6 +35,7 @@ use powerhouse::{
     Boundary, Damping, EnvelopeWish, InitialMotion, Material, OutputPlan, Part, ResidualLimit,
     RunHooks, Scene, SceneJoint, TimeStep,
 };
+use powerhouse_examples::process::{apart_from_this, most_memory};
 use powerhouse_examples::{Figures, Outcome};
 
 /// Length of the bricks' edges (m).
@@ -219,28 +220,6 @@ impl Class {
     }
 }
 
-/// The most memory that this process has held (bytes), where the system tells.
-fn most_memory() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024.0 * kilobytes)
-}
-
-/// What a class takes on a cube, in a process of its own.
-fn apart(name: &str, cells: usize) -> Outcome<[f64; 2]> {
-    let output = Command::new(std::env::current_exe()?)
-        .args([name, &cells.to_string()])
-        .output()?;
-    let text = String::from_utf8(output.stdout)?;
-    let numbers: Vec<f64> = (text.split_whitespace())
-        .filter_map(|number| number.parse().ok())
-        .collect();
-    <[f64; 2]>::try_from(numbers).map_err(|_| String::from_utf8_lossy(&output.stderr).into())
-}
-
 fn main() -> Outcome<ExitCode> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if let [name, cells] = &arguments[..] {
@@ -254,7 +233,7 @@ fn main() -> Outcome<ExitCode> {
     let elements = SIZES.map(|cells| (cells * cells * cells) as f64);
     let mut bytes_of = Vec::new();
     for (class, name, remark) in Class::ALL {
-        let [small, large] = SIZES.map(|cells| apart(name, cells));
+        let [small, large] = SIZES.map(|cells| apart_from_this(&[name, &cells.to_string()]));
         let ([_, less], [time, more]) = (small?, large?);
         let bytes = (more - less) / (elements[1] - elements[0]);
         let label = |what: &str| format!("scene_classes.{name}.{what}");

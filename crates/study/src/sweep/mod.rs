@@ -183,9 +183,9 @@ impl Sweep {
     /// Runs the cases that are not finished yet; writes the results of each, and a table of all.
     ///
     /// # Errors
-    /// The first case that is refused or fails, when those beside it are finished; [`StudyError::Changed`] if the scene's file was edited
-    /// on the way; [`StudyError::Interrupted`] if it was stopped from
-    /// outside. What was finished until then stays, and another run goes on from there.
+    /// The first case that is refused or fails, when those beside it are finished;
+    /// [`StudyError::Changed`] if the scene's file was edited on the way; [`StudyError::Interrupted`] if
+    /// it was stopped from outside. What was finished until then stays, and another run goes on from there.
     pub fn run(
         &self,
         stop: Option<&Arc<AtomicBool>>,

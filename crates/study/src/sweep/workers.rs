@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use super::locked;
 use crate::StudyError;
 
 /// Does the jobs 0 to `count` in their order, so many at once as there are workers; yields what they came
@@ -28,8 +29,7 @@ pub(super) fn side_by_side<T: Send>(
             if found.is_err() {
                 failed.store(true, Ordering::Relaxed);
             }
-            let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-            done.push((place, found));
+            locked(&done).push((place, found));
         }
     };
     std::thread::scope(|scope| {
