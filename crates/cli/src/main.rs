@@ -123,6 +123,10 @@ enum Command {
         /// The first seconds that are run, in place of those until half of the records has come.
         #[arg(long, value_name = "SECONDS")]
         window: Option<f64>,
+        /// Also run the most accurate form on elements half the size, which tells the error of the mesh and
+        /// takes sixteen times as long.
+        #[arg(long)]
+        mesh: bool,
         /// The folder for results, in place of `trade` in the scene's own.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
@@ -220,6 +224,7 @@ fn main() -> ExitCode {
             budget,
             error,
             window,
+            mesh,
             out,
         } => {
             let reference = match reference {
@@ -231,7 +236,7 @@ fn main() -> ExitCode {
                 (None, Some(budget)) => Goal::Budget(budget),
                 (None, None) => Goal::Front,
             };
-            trade::trade(&scene, out, reference, goal, window)
+            trade::trade(&scene, out, reference, goal, (window, mesh))
         }
         Command::Report { folder } => page::page(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),

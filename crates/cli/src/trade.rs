@@ -97,9 +97,12 @@ pub(crate) fn trade(
     out: Option<PathBuf>,
     reference: Reference,
     goal: Goal,
-    window: Option<f64>,
+    (window, mesh): (Option<f64>, bool),
 ) -> Outcome {
     let mut trade = Trade::of_file(scene, out)?.against(reference);
+    if mesh {
+        trade = trade.with_mesh_error();
+    }
     if let Some(window) = window {
         trade = trade.window(window);
     }
@@ -150,6 +153,12 @@ fn tell(report: &TradeReport) {
         "error of the reference {:.1e}, on this mesh",
         report.reference_error
     );
+    if let Some(case) = &report.refined {
+        println!(
+            "error of the mesh {:.1e} ({}), about",
+            case.error, case.worst
+        );
+    }
     if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
         println!("chosen: {}", case.name);
     }

@@ -78,6 +78,11 @@ pub enum Remark {
         /// Its name in the scene.
         name: String,
     },
+    /// A set of a support or a load in which there is nothing: it holds or moves nothing.
+    EmptySet {
+        /// Its name.
+        set: String,
+    },
     /// A history of the state of an element whose law remembers nothing.
     NoState {
         /// The name of the history.
@@ -140,6 +145,7 @@ impl Remark {
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }
+            | Self::EmptySet { .. }
             | Self::NoState { .. }
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
@@ -247,6 +253,10 @@ impl fmt::Display for Remark {
                     "record '{name}' drives neither a wave nor a prescribed motion"
                 )
             }
+            Self::EmptySet { set } => write!(
+                f,
+                "a support or a load stands on the set '{set}', in which there is nothing: it does nothing"
+            ),
             Self::NoState { name, element } => write!(
                 f,
                 "history '{name}' asks for the state of element {element}, whose law remembers nothing"

@@ -9,6 +9,7 @@ mod kind;
 mod locate;
 mod near;
 mod part;
+mod refine;
 mod select;
 mod shape;
 mod sides;

@@ -1,10 +1,11 @@
-//! Meshes: shapes, faults, facets, location of points, selections, parts, slices and generators.
+//! Meshes: shapes, faults, facets, location of points, selections, parts, refinement, slices and generators.
 
 mod facets;
 mod faults;
 mod generate;
 mod locate;
 mod part;
+mod refine;
 mod shapes;
 mod slice;
 mod split;

@@ -63,6 +63,20 @@ pub enum Support {
     },
 }
 
+impl Support {
+    /// The sets that it names.
+    pub fn sets(&self) -> Vec<&At<String>> {
+        match self {
+            Self::Fixed { set }
+            | Self::Roller { set, .. }
+            | Self::Symmetry { set, .. }
+            | Self::Antisymmetry { set, .. }
+            | Self::Prescribed { set, .. } => vec![set],
+            Self::Periodic { from, to } => vec![from, to],
+        }
+    }
+}
+
 /// A load.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
@@ -116,7 +130,7 @@ pub enum Load {
         /// good.
         removed_in: Option<At<String>>,
     },
-    /// The same force at every node of a node or facet set.
+    /// The same force at every node of a node or facet set; a refined mesh has more of them.
     Nodal {
         /// The set.
         set: At<String>,

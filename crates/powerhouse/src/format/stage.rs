@@ -208,3 +208,12 @@ pub enum StageSupport {
         normal: Option<At<[Finite; 3]>>,
     },
 }
+
+impl StageSupport {
+    /// The set that it names.
+    pub fn set(&self) -> &At<String> {
+        match self {
+            Self::Fixed { set } | Self::Roller { set, .. } => set,
+        }
+    }
+}

@@ -8,16 +8,19 @@ mod output;
 mod record;
 mod stages;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use powerhouse_explicit_core::{Leapfrog, OneSided, Precision};
-use powerhouse_model::{Axis, Facet, Mesh, MeshError, Vec3};
+use powerhouse_model::{Axis, Facet, Mesh, MeshError, ParameterError, Vec3};
 
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, SceneFile};
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep};
 use crate::{Error, Material, Part, Registry, Remark, Scene};
+
+/// So often elements may be cut: thrice makes 512 of each.
+const MOST_REFINEMENTS: u32 = 3;
 
 /// Composes the scene of a file.
 pub(crate) fn compose(
@@ -111,6 +114,7 @@ pub(crate) fn compose(
         }
     }
     scene.remarks.extend(unused_records(file));
+    scene.remarks.extend(empty_sets(&names, file));
     scene = ground::field(file, scene, &records)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
         return Err(Fault::refused(file.time.initial.span(), Error::NoField));
@@ -137,6 +141,18 @@ pub(crate) fn compose(
     let sections = sections.map(|section| (section.name.to_string(), section.at.span()));
     scene.places.cuts = sections.collect();
     Ok(scene)
+}
+
+/// Sets of supports and loads in which there is nothing, as of a part of a mesh that was cut off.
+fn empty_sets(names: &Names, file: &SceneFile) -> Vec<Remark> {
+    let of_stages = file.stages.iter().flat_map(|stage| &stage.supports);
+    let sets = (file.supports.iter().flat_map(|support| support.sets()))
+        .chain(of_stages.map(|support| support.set()))
+        .chain(file.loads.iter().filter_map(|load| load.set()));
+    let is_empty = |set: &&At<String>| names.nodes(set).is_ok_and(|nodes| nodes.is_empty());
+    let empty: BTreeSet<String> = sets.filter(is_empty).map(|set| set.to_string()).collect();
+    let remarks = empty.into_iter().map(|set| Remark::EmptySet { set });
+    remarks.collect()
 }
 
 /// Records, or all components of one, that neither a wave nor a prescribed motion names.
@@ -225,6 +241,12 @@ fn mesh(text: &SceneText, table: &format::MeshFile, registry: &Registry) -> Resu
             part.map_err(|error| Fault::refused(within.span(), error))?
         }
     };
+    let mesh = match &table.refine {
+        None => mesh,
+        Some(times) => {
+            refined(mesh, **times).map_err(|error| Fault::refused(times.span(), error))?
+        }
+    };
     let Some(slice) = &table.slice else {
         return Ok(mesh);
     };
@@ -235,6 +257,15 @@ fn mesh(text: &SceneText, table: &format::MeshFile, registry: &Registry) -> Resu
     };
     let sliced = mesh.plane_slice(axis, slice.at.get());
     sliced.map_err(|error| Fault::refused(slice.span(), error))
+}
+
+/// A mesh with every element cut so many times.
+fn refined(mut mesh: Mesh, times: u32) -> Result<Mesh, Box<dyn std::error::Error + Send + Sync>> {
+    ParameterError::check("refine", times.into(), 0.0, MOST_REFINEMENTS.into())?;
+    for _ in 0..times {
+        mesh = mesh.refined()?;
+    }
+    Ok(mesh)
 }
 
 /// The elements of a region. The waves enter around it, so that a boundary with an input of its own is

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::SolidKernel;
 use powerhouse::engine::observe::Motion;
+use powerhouse::io::write_gmsh;
 use powerhouse::material::{ElastoPlastic, LinearElastic, MohrCoulomb, presets};
-use powerhouse::model::{Mesh, Vec3};
+use powerhouse::model::{Axis, Mesh, Vec3};
 use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
-    Boundary, Error, Material, Mirror, MirrorError, OutputPlan, Parity, Part, Registry, Results,
-    Scene, TimeStep,
+    Boundary, Error, Material, Mirror, MirrorError, OutputPlan, Parity, Part, Registry, Remark,
+    Results, Scene, TimeStep,
 };
 
 use crate::support::*;
@@ -247,6 +248,23 @@ fn a_scene_may_have_less_ground() {
     assert!(part.element_count() < whole.mesh().element_count());
     assert_eq!(scene.mesh().element_tags(), part.element_tags());
     assert_eq!(scene.mesh().facet_sets(), part.facet_sets());
+    // What stood on nodes that are cut off does nothing, and that is said.
+    let mut mesh = Mesh::clone(whole.mesh());
+    mesh.set_node_set("corner", vec![0]).unwrap();
+    write_gmsh(variants.0.0.join("corner.msh"), &mesh).unwrap();
+    let held = "[[support]]\nkind = \"fixed\"\nset = \"corner\"\n[time]\n";
+    let remarks = |keys: &str| {
+        let file = [(file, keys), ("[time]\n", held)];
+        let scene = read(&variants, &file).unwrap();
+        let of_corner =
+            |remark: &&Remark| remark.is_warning() && remark.to_string().contains("'corner'");
+        scene.remarks().iter().filter(of_corner).count()
+    };
+    assert_eq!(remarks("file = \"corner.msh\""), 0);
+    assert_eq!(
+        remarks("file = \"corner.msh\"\nwithin = { x = [60, 400] }"),
+        1
+    );
     for (within, wanted) in [
         ("y = [900, 990]", "no solid element"),
         ("w = [0, 1]", "unknown"),
@@ -260,6 +278,37 @@ fn a_scene_may_have_less_ground() {
             shown.contains(wanted) && shown.contains("within ="),
             "{shown}"
         );
+    }
+}
+
+/// A refined mesh is the mesh's own, cut before a layer is taken of it and after the ground is cut off; more
+/// than thrice is refused in place.
+#[test]
+fn a_scene_may_have_smaller_elements() {
+    let variants = Variants::new("refine");
+    let file = "file = \"cube.msh\"";
+    let with = |keys: &str| read(&variants, &[(file, format!("{file}\n{keys}").as_str())]);
+    let whole = read(&variants, &[]).unwrap();
+    let same = |scene: &Scene, mesh: &Mesh| {
+        assert_eq!(scene.mesh().positions(), mesh.positions());
+        assert_eq!(scene.mesh().element_tags(), mesh.element_tags());
+        assert_eq!(scene.mesh().facet_sets(), mesh.facet_sets());
+    };
+    let once = whole.mesh().refined().unwrap();
+    same(&with("refine = 1").unwrap(), &once);
+    same(&with("refine = 0").unwrap(), whole.mesh());
+    let low = Vec3::new(60.0, f64::NEG_INFINITY, f64::NEG_INFINITY);
+    let part = whole.mesh().within(&low, &Vec3::repeat(f64::INFINITY));
+    let scene = with("refine = 1\nwithin = { x = [60, 1e9] }").unwrap();
+    same(&scene, &part.unwrap().refined().unwrap());
+    let scene = with("refine = 1\nslice = { across = \"y\", at = 160 }").unwrap();
+    same(&scene, &once.plane_slice(Axis::Y, 160.0).unwrap());
+    for refused in ["refine = 4", "refine = -1", "refine = 0.5"] {
+        let Err(Error::Scene(fault)) = with(refused) else {
+            panic!("accepted {refused}")
+        };
+        let shown = fault.render(false);
+        assert!(shown.contains(refused), "{shown}");
     }
 }
 

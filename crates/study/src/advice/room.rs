@@ -94,8 +94,57 @@ pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
 /// Coordinates are told to a millimetre, outwards.
 const DIGITS: f64 = 1e3;
 
+/// Least and greatest coordinate (m) along x, y and z; none where nothing bounds.
+pub(crate) type Bounds = [Option<[f64; 2]>; 3];
+
+/// The ground of a scene, as far as it may be cut off.
+pub(crate) struct Room<'a> {
+    scene: &'a Scene,
+    setting: Setting,
+    /// Nodes of what scatters.
+    scatterers: Vec<u32>,
+}
+
+impl<'a> Room<'a> {
+    /// # Errors
+    /// As [`Setting::of`].
+    pub(crate) fn of(scene: &'a Scene) -> Result<Self, StudyError> {
+        Ok(Self {
+            scene,
+            setting: Setting::of(scene)?,
+            scatterers: scatterers(scene)?,
+        })
+    }
+
+    /// The box of the faces at a share of their distances, along the axes where some absorb; none if something
+    /// that scatters, or a point that is recorded, would not lie within.
+    pub(crate) fn at(&self, share: f64) -> Option<Bounds> {
+        let within = box_at(self.scene, &self.setting, share);
+        let (low, high) = corners(&within);
+        let inside =
+            |position: &Vec3| (0..3).all(|i| low[i] <= position[i] && position[i] <= high[i]);
+        let plan = self.scene.output_plan();
+        let places = (plan.histories.iter().map(|wish| &wish.place))
+            .chain(plan.relative.iter().flat_map(|wish| [&wish.at, &wish.from]));
+        let mut recorded = places.filter_map(|place| match place {
+            Place::Spot(spot) => Some(spot.position),
+            _ => None,
+        });
+        let positions = self.scene.mesh().positions();
+        let nodes = self.scatterers.iter();
+        let mut structure = nodes.map(|&node| &positions[node as usize]);
+        let holds = structure.all(inside) && recorded.all(|position| inside(&position));
+        holds.then_some(within)
+    }
+
+    /// How many elements have their centroids in a box.
+    pub(crate) fn elements(&self, within: &Bounds) -> usize {
+        elements_in(self.scene, within)
+    }
+}
+
 /// The box of a scene's faces at a share of their distances, along the axes where some absorb.
-fn box_at(scene: &Scene, setting: &Setting, share: f64) -> [Option<[f64; 2]>; 3] {
+fn box_at(scene: &Scene, setting: &Setting, share: f64) -> Bounds {
     let (least, greatest) = scene.mesh().bounding_box();
     [0, 1, 2].map(|axis| {
         let [below, above] = setting.distances[axis];
@@ -108,33 +157,21 @@ fn box_at(scene: &Scene, setting: &Setting, share: f64) -> [Option<[f64; 2]>; 3]
 }
 
 /// The corners of a box, without end where it has no bounds.
-fn corners(within: &[Option<[f64; 2]>; 3]) -> (Vec3, Vec3) {
+fn corners(within: &Bounds) -> (Vec3, Vec3) {
     let end = |end: usize, otherwise: f64| {
         Vec3::from(within.map(|pair| pair.map_or(otherwise, |pair| pair[end])))
     };
     (end(0, f64::NEG_INFINITY), end(1, f64::INFINITY))
 }
 
-/// How many elements of a scene have their centroids in the box of its faces at a share of their distances.
-pub(crate) fn elements_at(scene: &Scene, setting: &Setting, share: f64) -> usize {
-    let (low, high) = corners(&box_at(scene, setting, share));
+fn elements_in(scene: &Scene, within: &Bounds) -> usize {
+    let (low, high) = corners(within);
     scene.mesh().elements_in_box(&low, &high).len()
 }
 
-/// Whether a box holds all that scatters and every point that is recorded.
-fn holds(scene: &Scene, scatterers: &[u32], within: &[Option<[f64; 2]>; 3]) -> bool {
-    let (low, high) = corners(within);
-    let inside = |position: &Vec3| (0..3).all(|i| low[i] <= position[i] && position[i] <= high[i]);
-    let plan = scene.output_plan();
-    let places = (plan.histories.iter().map(|wish| &wish.place))
-        .chain(plan.relative.iter().flat_map(|wish| [&wish.at, &wish.from]));
-    let mut recorded = places.filter_map(|place| match place {
-        Place::Spot(spot) => Some(spot.position),
-        _ => None,
-    });
-    let positions = scene.mesh().positions();
-    let mut structure = scatterers.iter().map(|&node| &positions[node as usize]);
-    structure.all(inside) && recorded.all(|position| inside(&position))
+/// How many elements of a scene have their centroids in the box of its faces at a share of their distances.
+pub(crate) fn elements_at(scene: &Scene, setting: &Setting, share: f64) -> usize {
+    elements_in(scene, &box_at(scene, setting, share))
 }
 
 /// How near the absorbing faces of a scene may come to what scatters, all by one share of their distances,
@@ -154,27 +191,26 @@ fn holds(scene: &Scene, scatterers: &[u32], within: &[Option<[f64; 2]>; 3]) -> b
 /// ```
 pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
-    let setting = Setting::of(scene)?;
+    let room = Room::of(scene)?;
+    let setting = &room.setting;
     let boundary = scene.absorbing_boundary().ok_or(StudyError::NoBoundary)?;
     let kind = kind_of(boundary.condition.as_ref());
     let mut advice = BoxAdvice {
         title: scene.title().to_owned(),
         error,
-        as_it_stands: predicted_error(&setting, 1.0, kind)?,
+        as_it_stands: predicted_error(setting, 1.0, kind)?,
         elements: scene.mesh().element_count(),
         nearer: None,
     };
     if advice.as_it_stands > error || setting.radius.is_none() {
         return Ok(advice);
     }
-    let scatterers = scatterers(scene)?;
     for share in SHARES {
-        let within = box_at(scene, &setting, share);
-        if !holds(scene, &scatterers, &within) {
+        let Some(within) = room.at(share) else {
             break;
-        }
+        };
         // What leaves no room for a prediction is too near.
-        let Ok(predicted) = predicted_error(&setting, share, kind) else {
+        let Ok(predicted) = predicted_error(setting, share, kind) else {
             break;
         };
         if !predicted.is_finite() || predicted > error {
@@ -184,7 +220,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
             share,
             predicted,
             within,
-            elements: elements_at(scene, &setting, share),
+            elements: room.elements(&within),
         });
     }
     Ok(advice)

@@ -1,9 +1,11 @@
 //! What a scene leaves to choose, as changes of its file.
 
-use powerhouse::Scene;
 use powerhouse::engine::StaticOptions;
 use powerhouse::model::ElementKind;
+use powerhouse::{Remark, Scene};
 use toml::{Table, Value};
+
+use crate::advice::{Bounds, Room};
 
 /// The kernels of bricks, the one with most points first.
 const FULL: &str = "hex8-full";
@@ -14,6 +16,11 @@ const OF_SPRINGS: [&str; 7] = ["a", "b", "distance", "x", "y", "z", "spreading"]
 const MET: [f64; 2] = [1.0e-10, 1.0e-4];
 /// A spectrum of flat damping cannot be narrower.
 const NARROWEST_BAND: f64 = 1.5;
+
+/// Shares of their distances from what scatters at which absorbing faces are tried; a box that leaves more
+/// than `WORTHWHILE` of the elements of the one before is not.
+const NEARER: [f64; 3] = [0.75, 0.5, 0.35];
+const WORTHWHILE: f64 = 0.85;
 
 /// What a level changes of a scene's file.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +33,11 @@ enum Change {
     Kernel(&'static str),
     /// Dashpots without springs.
     Dashpots,
+    /// Less ground; waves pass where they would in the whole, each at its reference point (m).
+    Ground {
+        within: Bounds,
+        references: Vec<[f64; 3]>,
+    },
     /// The tolerance of every stage times a factor, brought between two limits if it was not beyond them.
     Tolerance(f64, [f64; 2]),
     /// Flat damping in place of Rayleigh's, over the band of its two frequencies; or none.
@@ -75,6 +87,22 @@ impl Level {
                     });
                 }
             }
+            Change::Ground { within, references } => {
+                for (wave, reference) in tables(file, "wave").zip(references) {
+                    let reference = Value::from(reference.to_vec());
+                    wave.entry("reference").or_insert(reference);
+                }
+                let Some(Value::Table(mesh)) = file.get_mut("mesh") else {
+                    return;
+                };
+                let own = mesh.entry("within").or_insert_with(|| Table::new().into());
+                if let Value::Table(own) = own {
+                    let named = within.iter().zip(["x", "y", "z"]);
+                    own.extend(named.filter_map(|(pair, name)| {
+                        Some((name.to_owned(), Value::from((*pair)?.to_vec())))
+                    }));
+                }
+            }
             Change::Tolerance(factor, [least, most]) => {
                 for stage in tables(file, "stage") {
                     let own = stage.get("tolerance").and_then(number);
@@ -121,6 +149,7 @@ pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
         kernel(scene),
         step(file),
         boundary(file),
+        ground(scene),
         input(scene, file),
         damping(file),
         precision(file),
@@ -200,6 +229,42 @@ fn boundary(file: &Table) -> Option<Factor> {
             Level::own("viscous-spring"),
             Level::new("viscous", Change::Dashpots),
         ],
+        own: 0,
+    })
+}
+
+/// The ground as far as it goes, and less of it, as long as what scatters and what is recorded stay in it.
+fn ground(scene: &Scene) -> Option<Factor> {
+    // How long such waves take to set in depends on the box.
+    let sets_in = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
+    if scene.remarks().iter().any(sets_in) {
+        return None;
+    }
+    let room = Room::of(scene).ok()?;
+    let waves = scene.incident_waves().iter();
+    let references: Vec<[f64; 3]> = waves
+        .map(|wave| wave.parameters().reference.into())
+        .collect();
+    let mut levels = vec![Level::own("as it stands")];
+    let mut least = scene.mesh().element_count();
+    for share in NEARER {
+        let Some(within) = room.at(share) else {
+            break;
+        };
+        let elements = room.elements(&within);
+        if elements as f64 > WORTHWHILE * least as f64 {
+            continue;
+        }
+        least = elements;
+        let references = references.clone();
+        levels.push(Level::new(
+            format!("faces at {share} of their distance"),
+            Change::Ground { within, references },
+        ));
+    }
+    (levels.len() > 1).then_some(Factor {
+        name: "ground",
+        levels,
         own: 0,
     })
 }

@@ -17,8 +17,11 @@
 //! ```
 //!
 //! # Why so
-//! *The mesh stays.* The error of a mesh needs another mesh; the free-field check tells what this one
-//! costs in accuracy. What is compared here is everything else, on the same mesh.
+//! *The mesh stays*, its elements cut in half once if that is asked for. What is compared is everything
+//! else on the same mesh, and less of it; all of that on smaller elements would take sixteen times as long.
+//! One more run tells what the mesh itself costs in accuracy: of a scheme of second order elements half the
+//! size leave a quarter of the error, so that it is four thirds of the difference. Where strength and cracks
+//! decide, the order is lower and the error greater.
 //!
 //! *One factor at a time, then few combinations.* Seven factors have hundreds of combinations. Their
 //! errors come from different sources and hardly know of each other, so that single changes predict
@@ -39,7 +42,7 @@ use std::time::Duration;
 use powerhouse::io::TableColumn;
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{ProgressHook, Registry, Scene};
-use toml::Table;
+use toml::{Table, Value};
 
 use crate::mark::{Mark, inputs};
 use crate::price::{Price, draw_prices, price_front};
@@ -55,6 +58,12 @@ use plan::{Design, Outlook};
 /// to cross the body.
 const SHARE_OF_INTENSITY: f64 = 0.5;
 const SHARE_ADDED: f64 = 0.1;
+/// Elements half the size: so many times as many, and as many times the steps.
+const OF_HALF_THE_SIZE: (u32, u32) = (8, 2);
+/// Error of a mesh over the difference from one of half the size, of second order.
+const SECOND_ORDER: f64 = 4.0 / 3.0;
+/// The name of that run and of its folder.
+const REFINED: (&str, &str) = ("reference on elements half the size", "refined");
 /// Combinations that are run at most beyond single changes.
 const MOST_COMBINATIONS: usize = 6;
 /// The picture in the folder of a trade.
@@ -146,6 +155,9 @@ pub struct TradeReport {
     pub failed: Vec<(String, String)>,
     /// The estimated error of the reference itself, that of the mesh aside.
     pub reference_error: f64,
+    /// The reference on elements half the size, if that was [asked for](Trade::with_mesh_error): what it
+    /// costs, and as its error that of the scene's own mesh.
+    pub refined: Option<TradeCase>,
     /// The places of the runs that no other betters in cost and error, the cheapest first.
     pub front: Vec<usize>,
     /// The place of the run that meets the goal, if one does.
@@ -173,6 +185,7 @@ pub struct Trade {
     duration: f64,
     window: f64,
     reference: Reference,
+    mesh_error: bool,
 }
 
 impl Trade {
@@ -201,6 +214,7 @@ impl Trade {
             duration: scene.run_duration(),
             window: window(&scene),
             reference: Reference::Finest,
+            mesh_error: false,
             path: path.into(),
             file,
             registry,
@@ -217,6 +231,13 @@ impl Trade {
     #[must_use]
     pub fn against(mut self, reference: Reference) -> Self {
         self.reference = reference;
+        self
+    }
+    /// The same with one more run, of the reference on elements half the size: it tells the error of the
+    /// mesh, and takes about sixteen times as long as the reference.
+    #[must_use]
+    pub fn with_mesh_error(mut self) -> Self {
+        self.mesh_error = true;
         self
     }
     /// What the scene leaves to choose, what matters most first.
@@ -304,6 +325,20 @@ impl Trade {
             cases.push(case);
         }
         let chosen = plan::best(&known, (goal, of_reference));
+        let place = cases.len() + failed.len() + 1;
+        let refined = match self.mesh_error {
+            true => self.refined(&mut bench, watch, place),
+            false => Ok(None),
+        };
+        let refined = refined.or_else(|error| match error {
+            // Half the size may be too small for a law, or for memory; what was found stays.
+            StudyError::Scene(_) => {
+                watch.fails(REFINED.0, &error);
+                failures.push((REFINED.0.into(), error.to_string()));
+                Ok(None)
+            }
+            error => Err(error),
+        })?;
         let mut report = TradeReport {
             title: self.title.clone(),
             factors: self.factors.clone(),
@@ -311,6 +346,7 @@ impl Trade {
             cases,
             failed: failures,
             reference_error: of_reference,
+            refined,
             chosen,
             files: Vec::new(),
         };
@@ -327,7 +363,11 @@ impl Trade {
         let mut simulation = finest.prepare()?;
         let steps = self.window / simulation.step()?;
         let of_one = cost::time_of_step(&mut simulation)?.mul_f64(steps);
-        watch.before(runs, self.window, of_one * runs as u32);
+        let (all, refined) = match self.mesh_error {
+            true => (runs + 1, of_one * OF_HALF_THE_SIZE.0 * OF_HALF_THE_SIZE.1),
+            false => (runs, Duration::ZERO),
+        };
+        watch.before(all, self.window, of_one * runs as u32 + refined);
         Ok(())
     }
 
@@ -341,7 +381,11 @@ impl Trade {
     }
 
     fn text_of(&self, design: &Design) -> Result<String, StudyError> {
-        toml::to_string(&self.file_of(design)).map_err(|source| StudyError::Unwritable {
+        self.written(&self.file_of(design))
+    }
+
+    fn written(&self, file: &Table) -> Result<String, StudyError> {
+        toml::to_string(file).map_err(|source| StudyError::Unwritable {
             file: self.path.clone(),
             source: Box::new(source),
         })
@@ -377,21 +421,69 @@ impl Trade {
         name: &str,
     ) -> Result<Finished, StudyError> {
         let levels: Vec<String> = design.iter().map(usize::to_string).collect();
-        let folder = self.folder.join(levels.join("-"));
-        let mark = Mark::of(&self.text_of(design)?, &self.inputs, Some(self.window));
-        if let Some(kept) = bench.kept(&folder, &mark)? {
-            watch.kept(name);
-            return Ok(kept);
-        }
         // Stages know of elements and their numbers, not of steps and waves.
         let of_body = self.factors.iter().zip(&levels);
         let of_body =
             of_body.filter(|(factor, _)| !["step", "input", "output"].contains(&factor.name));
         let body: Vec<&str> = of_body.map(|(_, level)| level.as_str()).collect();
-        let finished = bench.run(self.scene(design)?, &body.join("-"), watch)?;
+        let folder = levels.join("-");
+        self.finish_file(
+            &self.text_of(design)?,
+            (&folder, &body.join("-")),
+            bench,
+            (watch, name),
+        )
+    }
+
+    /// What a scene's file came to, from a folder of its own; its body at rest is known by a name.
+    fn finish_file(
+        &self,
+        text: &str,
+        (folder, body): (&str, &str),
+        bench: &mut Bench,
+        (watch, name): (&mut dyn TradeWatch, &str),
+    ) -> Result<Finished, StudyError> {
+        let folder = self.folder.join(folder);
+        let mark = Mark::of(text, &self.inputs, Some(self.window));
+        if let Some(kept) = bench.kept(&folder, &mark)? {
+            watch.kept(name);
+            return Ok(kept);
+        }
+        let scene = Scene::from_toml(text, &self.path, &self.registry)?;
+        let finished = bench.run(scene, body, watch)?;
         bench.keep(&folder, &mark, &finished)?;
         // As another trade would find it: a number may lose its last bit in a file.
         Ok(bench.kept(&folder, &mark)?.unwrap_or(finished))
+    }
+
+    /// The reference on elements half the size, and what its own mesh costs it in accuracy.
+    fn refined(
+        &self,
+        bench: &mut Bench,
+        watch: &mut dyn TradeWatch,
+        place: usize,
+    ) -> Result<Option<TradeCase>, StudyError> {
+        let (name, folder) = REFINED;
+        let design = vec![0; self.factors.len()];
+        let coarse = self.finish(&design, bench, &mut Silent, name)?;
+        let mut file = self.file_of(&design);
+        if let Some(Value::Table(mesh)) = file.get_mut("mesh") {
+            let own = mesh.get("refine").and_then(Value::as_integer);
+            mesh.insert("refine".into(), (own.unwrap_or(0) + 1).into());
+        }
+        let text = self.written(&file)?;
+        watch.begins(name, place);
+        let fine = self.finish_file(&text, (folder, folder), bench, (watch, name))?;
+        let misfit = misfit::misfit(&fine.histories, &coarse.histories);
+        let case = TradeCase {
+            name: name.into(),
+            levels: design,
+            cost: fine.cost,
+            error: SECOND_ORDER * misfit.error,
+            worst: misfit.name,
+        };
+        watch.ends(&case);
+        Ok(Some(case))
     }
 
     /// The histories that others are compared with.
@@ -430,14 +522,17 @@ impl Trade {
         if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
             let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
             let file = self.path.with_file_name(format!("{stem}_trade.toml"));
+            let of_mesh = report.refined.as_ref();
+            let of_mesh = of_mesh.map(|case| format!(", its mesh by about {:.1e}", case.error));
             let text = format!(
-                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}), the reference by {:.2e}; the whole run takes {:.0} s.\n\n{}",
+                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}), the reference by {:.2e}{}; the whole run takes {:.0} s.\n\n{}",
                 self.path.file_name().unwrap_or_default().to_string_lossy(),
                 case.name,
                 self.window,
                 case.error,
                 case.worst,
                 report.reference_error,
+                of_mesh.unwrap_or_default(),
                 case.cost.wall_time(),
                 self.text_of(&case.levels)?
             );
@@ -447,7 +542,7 @@ impl Trade {
         let mut text = String::from(
             "levels,error [1],wall time [s],step [s],time of a step [s],memory [bytes],on the front\n",
         );
-        for (place, case) in report.cases.iter().enumerate() {
+        for (place, case) in report.cases.iter().chain(&report.refined).enumerate() {
             let cost = &case.cost;
             text += &format!(
                 "\"{}\",{:e},{:e},{:e},{:e},{},{}\n",

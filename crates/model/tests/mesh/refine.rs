@@ -1,0 +1,147 @@
+//! Meshes whose every element is cut into smaller ones.
+
+use powerhouse_model::{ElementKind, Facet, Mesh, Vec3};
+
+use crate::{GENERATORS, rough_block, volume};
+
+fn vector_area(mesh: &Mesh, facets: &[Facet]) -> Vec3 {
+    let areas = facets
+        .iter()
+        .map(|&facet| mesh.facet_geometry(facet).vector_area);
+    areas.sum()
+}
+
+/// The parts of an element fill it, turned as it is, whatever its shape; neighbours have the nodes of their
+/// common side in common; what new nodes stand between tells where they stand.
+#[test]
+fn parts_fill_the_whole_and_hang_together() {
+    for (kind, generator) in GENERATORS {
+        let mesh = rough_block(generator, 0.2);
+        let fine = mesh.refined().unwrap();
+        assert_eq!(fine.element_count(), 8 * mesh.element_count());
+        for element in 0..mesh.element_count() as u32 {
+            let parts: Vec<f64> = (8 * element..8 * element + 8)
+                .map(|e| volume(&fine, e))
+                .collect();
+            let (sum, whole): (f64, f64) = (parts.iter().sum(), volume(&mesh, element));
+            assert!((sum / whole - 1.0).abs() < 1e-13, "{kind:?} {sum} {whole}");
+            assert!(parts.iter().all(|part| *part > 0.0), "{kind:?}");
+            let tag = mesh.element_tags()[element as usize];
+            assert_eq!(fine.element_tags()[8 * element as usize + 7], 8 * tag + 7);
+        }
+        assert_eq!(fine.check_connected().unwrap().parts, 1);
+        // A hanging node would make sides inside the body bare.
+        assert_eq!(
+            fine.boundary_facets().len(),
+            4 * mesh.boundary_facets().len()
+        );
+        let old = mesh.node_count();
+        assert_eq!(&fine.positions()[..old], mesh.positions());
+        assert_eq!(&fine.node_tags()[..old], mesh.node_tags());
+        let mut tags = fine.node_tags().to_vec();
+        tags.dedup();
+        assert_eq!(tags.len(), fine.node_count());
+        // Boxes of a mesh of half the size have as many nodes as it.
+        assert_eq!(fine.node_count(), 11 * 9 * 7, "{kind:?}");
+    }
+}
+
+/// Sets of elements and facets hold the parts of what they held, sets of nodes what lies between theirs.
+#[test]
+fn sets_hold_what_lies_in_them() {
+    for (kind, generator) in GENERATORS {
+        let mut mesh = rough_block(generator, 0.2);
+        let left = mesh.facet_set("left").unwrap().to_vec();
+        let nodes = mesh.nodes_of_facets(&left);
+        mesh.set_node_set("left", nodes).unwrap();
+        mesh.set_node_set("one", vec![17]).unwrap();
+        mesh.set_element_set("some", vec![3, 5]).unwrap();
+        let fine = mesh.refined().unwrap();
+        for (name, facets) in mesh.facet_sets() {
+            let parts = fine.facet_set(name).unwrap();
+            assert_eq!(parts.len(), 4 * facets.len());
+            let difference = vector_area(&fine, parts) - vector_area(&mesh, facets);
+            assert!(difference.norm() < 1e-12, "{kind:?} {name}");
+        }
+        let of_facets = fine.nodes_of_facets(fine.facet_set("left").unwrap());
+        assert_eq!(fine.node_set("left").unwrap(), of_facets);
+        assert_eq!(fine.node_set("one").unwrap(), [17]);
+        let some: Vec<u32> = (24..32).chain(40..48).collect();
+        assert_eq!(fine.element_set("some").unwrap(), some);
+    }
+}
+
+/// Elements of several kinds on common sides stay on common sides; bars are cut in two.
+#[test]
+fn kinds_may_be_mixed() {
+    let mut builder = Mesh::builder();
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.1, 1.0, 0.0],
+        [0.0, 1.2, 0.1],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.1, 1.0],
+        [1.0, 1.0, 1.3],
+        [0.0, 1.0, 1.0],
+        // A ridge beside the side x = 1, and a point before it.
+        [2.0, 0.0, 0.5],
+        [2.2, 1.0, 0.5],
+        [1.5, -1.0, 0.5],
+    ];
+    for (place, corner) in corners.into_iter().enumerate() {
+        builder.node(place as u64 + 1, Vec3::from(corner));
+    }
+    builder.element(1, ElementKind::Hex8, &[1, 2, 3, 4, 5, 6, 7, 8], &["rock"]);
+    builder.element(2, ElementKind::Wedge6, &[2, 6, 9, 3, 7, 10], &["rock"]);
+    builder.element(3, ElementKind::Tet4, &[2, 9, 6, 11], &["rock"]);
+    builder.element(4, ElementKind::Bar2, &[1, 7], &["bolt"]);
+    let mesh = builder.build().unwrap();
+    mesh.check().unwrap();
+    let fine = mesh.refined().unwrap();
+    assert_eq!(fine.element_count(), 8 + 8 + 8 + 2);
+    fine.check_connected().unwrap();
+    assert_eq!(
+        fine.boundary_facets().len(),
+        4 * mesh.boundary_facets().len()
+    );
+    assert_eq!(fine.element_set("bolt").unwrap(), [24, 25]);
+    let [first, second] = [24, 25].map(|bar| fine.nodes_of(bar).to_vec());
+    assert_eq!((first[0], first[1], second[1]), (0, second[0], 6));
+    let middle = 0.5 * (Vec3::from(corners[0]) + Vec3::from(corners[6]));
+    assert_eq!(fine.positions()[first[1] as usize], middle);
+    assert_eq!(fine.element_tags()[24..], [32, 33]);
+}
+
+/// The octahedron in a tetrahedron is cut along its shortest diagonal: twice halved, shapes do not get worse.
+#[test]
+fn tetrahedra_do_not_get_flatter() {
+    for ends in [
+        [9.0, 0.0, 0.0],
+        [0.0, 9.0, 0.0],
+        [9.0, 9.0, 1.0],
+        [3.0, 1.0, 7.0],
+    ] {
+        let mut builder = Mesh::builder();
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ];
+        for (place, corner) in corners.into_iter().enumerate() {
+            let bend = Vec3::from(ends) * (0.1 * corner[2]);
+            builder.node(place as u64 + 1, Vec3::from(corner) + bend);
+        }
+        builder.element(1, ElementKind::Tet4, &[1, 2, 3, 4], &["rock"]);
+        let mesh = builder.build().unwrap();
+        let once = mesh.refined().unwrap();
+        let twice = once.refined().unwrap();
+        let quality = |mesh: &Mesh| mesh.check().unwrap().least_scaled_jacobian;
+        assert!(
+            (quality(&twice) / quality(&once) - 1.0).abs() < 1e-12,
+            "{ends:?}"
+        );
+        assert!(quality(&once) > 0.3 * quality(&mesh), "{ends:?}");
+    }
+}
