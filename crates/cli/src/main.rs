@@ -20,10 +20,9 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 use powerhouse::{Error, Scene};
 use powerhouse_study::StudyError;
-use powerhouse_study::trade::{Goal, Reference};
 
 /// Explicit dynamic analysis of underground structures under waves that arrive at an angle.
 #[derive(Parser)]
@@ -108,29 +107,7 @@ enum Command {
     },
     /// Find what accuracy costs a scene: run a window of it over kernels, precisions, steps, boundaries
     /// and what else it leaves to choose, and write the scene of the choice that meets a goal.
-    Trade {
-        /// The scene file.
-        scene: PathBuf,
-        /// What errors are measured against.
-        #[arg(long, value_enum, default_value_t = Against::Finest)]
-        reference: Against,
-        /// The wall time that a whole run may take, such as 2min: the most accurate choice is written.
-        #[arg(long, value_name = "TIME", value_parser = trade::budget, conflicts_with = "error")]
-        budget: Option<f64>,
-        /// The relative error that is permitted, such as 1%: the cheapest choice is written.
-        #[arg(long, value_name = "SHARE", value_parser = trade::error)]
-        error: Option<f64>,
-        /// The first seconds that are run, in place of those until half of the records has come.
-        #[arg(long, value_name = "SECONDS")]
-        window: Option<f64>,
-        /// Also run the most accurate form on elements half the size, which tells the error of the mesh and
-        /// takes sixteen times as long.
-        #[arg(long)]
-        mesh: bool,
-        /// The folder for results, in place of `trade` in the scene's own.
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
-    },
+    Trade(trade::Wishes),
     /// Write one HTML page of the results of a sweep or a run; of a sweep, print what its cases say to the
     /// conclusions of Wang, Chen & Xiao (2019) and what single choices do.
     Report {
@@ -139,15 +116,6 @@ enum Command {
     },
     /// Print the JSON schema of scene files, for editors.
     Schema,
-}
-
-/// What the errors of a trade are measured against.
-#[derive(Clone, Copy, ValueEnum)]
-enum Against {
-    /// The run with everything at its most accurate.
-    Finest,
-    /// The field that comes in, for ground without a structure.
-    ClosedForm,
 }
 
 #[derive(Subcommand)]
@@ -218,26 +186,7 @@ fn main() -> ExitCode {
             duration,
             jobs,
         } => sweep::sweep(&scene, out, &cases, duration, jobs),
-        Command::Trade {
-            scene,
-            reference,
-            budget,
-            error,
-            window,
-            mesh,
-            out,
-        } => {
-            let reference = match reference {
-                Against::Finest => Reference::Finest,
-                Against::ClosedForm => Reference::ClosedForm,
-            };
-            let goal = match (error, budget) {
-                (Some(error), _) => Goal::Error(error),
-                (None, Some(budget)) => Goal::Budget(budget),
-                (None, None) => Goal::Front,
-            };
-            trade::trade(&scene, out, reference, goal, (window, mesh))
-        }
+        Command::Trade(wishes) => trade::trade(wishes),
         Command::Report { folder } => page::page(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
         Command::Schema => {

@@ -1,15 +1,132 @@
 //! `powerhouse trade`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use clap::{Args, ValueEnum};
 use powerhouse::ProgressHook;
 use powerhouse_study::StudyError;
-use powerhouse_study::trade::{Goal, Reference, Trade, TradeCase, TradeReport, TradeWatch};
+use powerhouse_study::trade::{
+    Goal, Quantity, Reference, Trade, TradeCase, TradeReport, TradeWatch,
+};
 
 use crate::progress::Display;
 use crate::{INTERRUPTED, Outcome, WARNED, stop};
+
+/// What is wished of a trade.
+#[derive(Args)]
+pub(crate) struct Wishes {
+    /// The scene file.
+    scene: PathBuf,
+    /// What errors are measured against.
+    #[arg(long, value_enum, default_value_t = Against::Finest)]
+    reference: Against,
+    /// The wall time that a whole run may take, such as 2min: the most accurate choice is written.
+    #[arg(long, value_name = "TIME", value_parser = budget, conflicts_with = "error")]
+    budget: Option<f64>,
+    /// The relative error that is permitted, such as 1%: the cheapest choice is written.
+    #[arg(long, value_name = "SHARE", value_parser = error)]
+    error: Option<f64>,
+    /// The first seconds that are run, in place of those until half of the records has come.
+    #[arg(long, value_name = "SECONDS")]
+    window: Option<f64>,
+    /// The histories whose errors count, such as displacement,relative; all that the scene records by default.
+    #[arg(
+        long = "of",
+        value_name = "QUANTITY",
+        value_enum,
+        value_delimiter = ','
+    )]
+    quantities: Vec<Compared>,
+    /// The factors that are left to choose, such as kernel,precision; the scene decides on the others.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    factors: Vec<String>,
+    /// Run every combination of all levels, in place of those that promise most.
+    #[arg(long)]
+    every_combination: bool,
+    /// Also run the most accurate form on elements half the size, which tells the error of the mesh and
+    /// takes sixteen times as long.
+    #[arg(long)]
+    mesh: bool,
+    /// The folder for results, in place of `trade` in the scene's own.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Wishes {
+    fn goal(&self) -> Goal {
+        match (self.error, self.budget) {
+            (Some(error), _) => Goal::Error(error),
+            (None, Some(budget)) => Goal::Budget(budget),
+            (None, None) => Goal::Front,
+        }
+    }
+
+    fn trade(self) -> Result<Trade, StudyError> {
+        let reference = match self.reference {
+            Against::Finest => Reference::Finest,
+            Against::ClosedForm => Reference::ClosedForm,
+        };
+        let mut trade = Trade::of_file(&self.scene, self.out)?.against(reference);
+        if let Some(window) = self.window {
+            trade = trade.window(window);
+        }
+        if !self.quantities.is_empty() {
+            let quantities = self.quantities.into_iter().map(Compared::quantity);
+            trade = trade.comparing(&quantities.collect::<Vec<Quantity>>())?;
+        }
+        if !self.factors.is_empty() {
+            trade = trade.only(&self.factors)?;
+        }
+        if self.every_combination {
+            trade = trade.exhaustive();
+        }
+        if self.mesh {
+            trade = trade.with_mesh_error();
+        }
+        Ok(trade)
+    }
+}
+
+/// What the errors of a trade are measured against.
+#[derive(Clone, Copy, ValueEnum)]
+enum Against {
+    /// The most accurate of the runs.
+    Finest,
+    /// The field that comes in: for ground without a structure.
+    ClosedForm,
+}
+
+/// Histories whose errors count in a trade.
+#[derive(Clone, Copy, ValueEnum)]
+enum Compared {
+    /// Displacements of places.
+    Displacement,
+    /// Displacements relative to another place.
+    Relative,
+    /// Velocities.
+    Velocity,
+    /// Accelerations.
+    Acceleration,
+    /// Stresses of elements.
+    Stress,
+    /// What laws remember, such as damage.
+    State,
+}
+
+impl Compared {
+    fn quantity(self) -> Quantity {
+        match self {
+            Self::Displacement => Quantity::Displacement,
+            Self::Relative => Quantity::Relative,
+            Self::Velocity => Quantity::Velocity,
+            Self::Acceleration => Quantity::Acceleration,
+            Self::Stress => Quantity::Stress,
+            Self::State => Quantity::State,
+        }
+    }
+}
 
 /// Tells on the terminal how a trade goes.
 struct Told {
@@ -68,7 +185,7 @@ fn time(seconds: f64) -> String {
 }
 
 /// Reads a time with its unit, such as `90s`, `2min` or `1.5h`; a bare number is in seconds.
-pub(crate) fn budget(text: &str) -> Result<f64, String> {
+fn budget(text: &str) -> Result<f64, String> {
     let units = [("min", 60.0), ("h", 3600.0), ("s", 1.0)];
     let unit = units.iter().find(|(unit, _)| text.ends_with(unit));
     let (number, scale) = unit.map_or((text, 1.0), |(unit, scale)| {
@@ -78,7 +195,7 @@ pub(crate) fn budget(text: &str) -> Result<f64, String> {
 }
 
 /// Reads an error, such as `2%` or `0.02`.
-pub(crate) fn error(text: &str) -> Result<f64, String> {
+fn error(text: &str) -> Result<f64, String> {
     let (number, scale) = match text.strip_suffix('%') {
         Some(number) => (number, 0.01),
         None => (text, 1.0),
@@ -92,20 +209,9 @@ fn positive(number: &str, scale: f64) -> Option<f64> {
 }
 
 /// Runs a scene over what it leaves to choose; the exit status is 1 if no run meets the goal.
-pub(crate) fn trade(
-    scene: &Path,
-    out: Option<PathBuf>,
-    reference: Reference,
-    goal: Goal,
-    (window, mesh): (Option<f64>, bool),
-) -> Outcome {
-    let mut trade = Trade::of_file(scene, out)?.against(reference);
-    if mesh {
-        trade = trade.with_mesh_error();
-    }
-    if let Some(window) = window {
-        trade = trade.window(window);
-    }
+pub(crate) fn trade(wishes: Wishes) -> Outcome {
+    let goal = wishes.goal();
+    let trade = wishes.trade()?;
     for factor in trade.factors() {
         let names: Vec<&str> = factor
             .levels
@@ -149,10 +255,11 @@ fn tell(report: &TradeReport) {
             case.name
         );
     }
-    println!(
-        "error of the reference {:.1e}, on this mesh",
-        report.reference_error
-    );
+    // Nothing is known of it where no other step was run.
+    if report.reference_error > 0.0 {
+        let error = report.reference_error;
+        println!("error of the reference {error:.1e}, on this mesh");
+    }
     if let Some(case) = &report.refined {
         println!(
             "error of the mesh {:.1e} ({}), about",

@@ -46,7 +46,7 @@ fn trade_writes_the_scene_that_meets_a_wish() {
     let folder = Folder::new();
     let (scene, out) = (folder.path("scene.toml"), folder.path("out"));
     let trade = |wish: &[&str]| {
-        let fixed = ["trade", &scene, "--window", "0.01", "--out", &out];
+        let fixed = ["trade", &scene, "--window", "0.15", "--out", &out];
         powerhouse(&[&fixed, wish].concat())
     };
     let done = trade(&["--budget", "100h"]);
@@ -55,7 +55,7 @@ fn trade_writes_the_scene_that_meets_a_wish() {
     for passage in [
         "kernel: hex8-full | hex8-full and hex8-one-point | hex8-one-point",
         "precision: f64 | mixed | f32",
-        "runs of 0.01 s",
+        "runs of 0.15 s",
         "run 1: reference",
         "front, the cheapest first",
         "chosen: reference",

@@ -49,6 +49,26 @@ pub enum StudyError {
     /// A scene that records nothing by which runs could be compared.
     #[error("the scene records no history to compare runs by: name some under [[output.history]]")]
     NoHistories,
+    /// A quantity to compare runs by that the scene does not record.
+    #[error("the scene records no history of {quantity} to compare runs by")]
+    NotRecorded {
+        /// The quantity.
+        quantity: &'static str,
+    },
+    /// A window in which nothing that is compared moves: no run would err.
+    #[error("nothing that is compared moves within the first {window} s")]
+    StillHistories {
+        /// Its length (s).
+        window: f64,
+    },
+    /// A factor that a scene does not leave to choose.
+    #[error("the scene leaves no '{name}' to choose, but {}", available.join(", "))]
+    NoSuchFactor {
+        /// The name.
+        name: String,
+        /// Names that there are.
+        available: Vec<&'static str>,
+    },
     /// A scene of which the answer is not known.
     #[error("the scene has no closed form: {reason}")]
     NoClosedForm {

@@ -6,7 +6,9 @@ use std::time::Duration;
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{RunHooks, Scene};
-use powerhouse_study::trade::{Factor, Goal, Reference, Silent, Trade, TradeCase, TradeWatch};
+use powerhouse_study::trade::{
+    Factor, Goal, Quantity, Reference, Silent, Trade, TradeCase, TradeWatch,
+};
 use powerhouse_study::{StudyError, registry};
 
 /// A block of ground under a wave.
@@ -242,6 +244,83 @@ fn ground_without_a_structure_has_a_closed_form() {
     let refused = trade.run(Goal::Front, None, &mut Silent).unwrap_err();
     assert!(
         matches!(refused, StudyError::NoClosedForm { .. }),
+        "{refused}"
+    );
+}
+
+/// Every combination of the factors that are left to choose is run, and what was run counts for a trade of
+/// more factors; errors are those of what is compared. Factors and histories that there are none of are
+/// refused before a run.
+#[test]
+fn all_combinations_of_some_factors_are_run() {
+    let folder = Folder::new("every", SCENE);
+    let trade = || folder.trade().window(0.2);
+    let every = || trade().only(&["kernel", "precision"]).unwrap().exhaustive();
+    let mut watch = Counted::default();
+    let report = every().run(Goal::Front, None, &mut watch).unwrap();
+    let names: Vec<&str> = report.cases.iter().map(|case| case.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "reference",
+            "kernel hex8-one-point",
+            "precision mixed",
+            "precision f32",
+            "kernel hex8-one-point, precision mixed",
+            "kernel hex8-one-point, precision f32",
+        ]
+    );
+    assert_eq!(watch.announced.map(|(runs, ..)| runs), Some(6));
+
+    // The scene's own step is not the finest: with all factors its runs are others, and are not taken for these.
+    let mut watch = Counted::default();
+    let with_step = trade().only(&["kernel", "step"]).unwrap();
+    let of_step = with_step.run(Goal::Front, None, &mut watch).unwrap();
+    assert!(of_step.cases[0].cost.steps > 3 * report.cases[0].cost.steps / 2);
+    let step = |case: &&TradeCase| case.name == "step 1 of the stable";
+    let same = of_step.cases.iter().find(step).unwrap();
+    assert_eq!(same.cost.steps, report.cases[0].cost.steps);
+    assert!(watch.kept > 0 && watch.kept < watch.begun);
+
+    let of = |quantity| every().comparing(&[quantity]).unwrap();
+    let velocity = of(Quantity::Velocity)
+        .run(Goal::Front, None, &mut Silent)
+        .unwrap();
+    let displacement = of(Quantity::Displacement)
+        .run(Goal::Front, None, &mut Silent)
+        .unwrap();
+    for ((all, v), u) in report
+        .cases
+        .iter()
+        .zip(&velocity.cases)
+        .zip(&displacement.cases)
+        .skip(1)
+    {
+        assert_eq!(
+            (v.worst.as_str(), u.worst.as_str()),
+            ("top [m/s]", "top [m]")
+        );
+        assert!(
+            u.error != v.error && all.error == u.error.max(v.error),
+            "{all:?} {v:?} {u:?}"
+        );
+    }
+    let early = trade().window(0.01).run(Goal::Front, None, &mut Silent);
+    let refused = early.unwrap_err();
+    assert!(
+        matches!(refused, StudyError::StillHistories { window: 0.01 }),
+        "{refused}"
+    );
+    let refused = trade().comparing(&[Quantity::Stress]).err().unwrap();
+    assert!(
+        matches!(refused, StudyError::NotRecorded { quantity: "stress" }),
+        "{refused}"
+    );
+    let refused = trade().only(&["kernels"]).err().unwrap();
+    assert!(
+        refused
+            .to_string()
+            .contains("no 'kernels' to choose, but kernel, step"),
         "{refused}"
     );
 }

@@ -50,15 +50,25 @@ pub struct Level {
     /// Its name, such as `mixed`.
     pub name: String,
     change: Change,
+    /// Its place among all that the scene allows.
+    place: usize,
 }
 
 impl Level {
     fn new(name: impl Into<String>, change: Change) -> Self {
-        let name = name.into();
-        Self { name, change }
+        Self {
+            name: name.into(),
+            change,
+            place: 0,
+        }
     }
     fn own(name: impl Into<String>) -> Self {
         Self::new(name, Change::Nothing)
+    }
+
+    /// Its place among all levels of its factor, by which results are kept.
+    pub(super) fn place(&self) -> usize {
+        self.place
     }
 
     /// Changes a scene's file.
@@ -143,6 +153,18 @@ pub struct Factor {
     pub own: usize,
 }
 
+impl Factor {
+    /// The factor with nothing left to choose: what the scene has.
+    pub(super) fn fixed(self) -> Self {
+        let own = self.levels.into_iter().nth(self.own);
+        Self {
+            name: self.name,
+            levels: own.into_iter().collect(),
+            own: 0,
+        }
+    }
+}
+
 /// What a scene leaves to choose, what matters most first.
 pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     let found = [
@@ -156,7 +178,13 @@ pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
         statics(file),
         output(scene, file),
     ];
-    found.into_iter().flatten().collect()
+    let mut found: Vec<Factor> = found.into_iter().flatten().collect();
+    for factor in &mut found {
+        for (place, level) in factor.levels.iter_mut().enumerate() {
+            level.place = place;
+        }
+    }
+    found
 }
 
 /// The kernels that bricks may have, if there are bricks.

@@ -14,8 +14,8 @@ pub(super) struct Misfit {
     pub(super) name: String,
 }
 
-/// The relative L2 differences of all histories from their reference; the components of one motion at
-/// one place count together. The first column of both tables is time; what the reference lacks is passed
+/// The relative L2 differences of all histories from their reference; the components of one motion or one
+/// variable at one place count together. The first column of both tables is time; what the reference lacks is passed
 /// over.
 pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit {
     let mut groups: Vec<Group> = Vec::new();
@@ -29,10 +29,10 @@ pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit
         let Some(same) = others.iter().find(|other| other.name == column.name) else {
             continue;
         };
-        let stem = column.name.rsplit_once('.').map_or("", |(stem, _)| stem);
-        let known = |group: &Group| group.stem == stem && group.unit == column.unit;
+        let group = Group::of(column);
+        let known = |other: &Group| other.stem == group.stem && other.kind == group.kind;
         let place = groups.iter().position(known).unwrap_or_else(|| {
-            groups.push(Group::new(stem, &column.unit));
+            groups.push(group);
             groups.len() - 1
         });
         for (instant, value) in time.values.iter().zip(&column.values) {
@@ -47,8 +47,8 @@ pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit
         name: String::new(),
     };
     for group in &groups {
-        let of_unit = groups.iter().filter(|other| other.unit == group.unit);
-        let largest = of_unit.fold(0.0, |most, other| other.size.max(most));
+        let of_kind = groups.iter().filter(|other| other.kind == group.kind);
+        let largest = of_kind.fold(0.0, |most, other| other.size.max(most));
         let size = group.size.max(LEAST_SHARE.powi(2) * largest);
         let error = match group.difference {
             0.0 => 0.0,
@@ -57,26 +57,35 @@ pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit
         if error >= worst.error || error.is_nan() {
             worst = Misfit {
                 error,
-                name: format!("{} [{}]", group.stem, group.unit),
+                name: format!("{} [{}]", group.stem, group.kind),
             };
         }
     }
     worst
 }
 
-/// Squares summed over the components of one motion at one place.
+/// Squares summed over the components of one motion or one variable at one place.
 struct Group {
     stem: String,
-    unit: String,
+    /// The unit; of what has none, which laws remember, the variable.
+    kind: String,
     difference: f64,
     size: f64,
 }
 
 impl Group {
-    fn new(stem: &str, unit: &str) -> Self {
+    fn of(column: &TableColumn) -> Self {
+        let (stem, variable) = column.name.rsplit_once('.').unwrap_or(("", &column.name));
+        let kind = match column.unit.as_str() {
+            "1" => match variable.rsplit_once('_') {
+                Some((variable, "xx" | "yy" | "zz" | "xy" | "yz" | "zx")) => variable,
+                _ => variable,
+            },
+            unit => unit,
+        };
         Self {
             stem: stem.into(),
-            unit: unit.into(),
+            kind: kind.into(),
             difference: 0.0,
             size: 0.0,
         }
@@ -124,5 +133,21 @@ mod tests {
         still[3].values.fill(0.0);
         let found = misfit(&table(&finely, 1.0), &still);
         assert!((found.error - 2e-9 / 5e-3).abs() < 1e-12, "{found:?}");
+    }
+
+    /// What laws remember has no unit: each variable is measured against its own size, components together.
+    #[test]
+    fn variables_without_a_unit_are_measured_one_by_one() {
+        let table = |scale: f64| {
+            vec![
+                TableColumn::new("time", "s", vec![0.0, 1.0]),
+                TableColumn::new("e.damage", "1", vec![0.0, 0.5]),
+                TableColumn::new("e.strain_xx", "1", vec![0.0, 3e-6]),
+                TableColumn::new("e.strain_xy", "1", vec![0.0, 4e-6 * scale]),
+            ]
+        };
+        let found = misfit(&table(1.0), &table(1.5));
+        assert!((found.error - 0.4).abs() < 1e-12, "{found:?}");
+        assert_eq!(found.name, "e [strain]");
     }
 }

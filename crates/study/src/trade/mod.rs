@@ -32,6 +32,7 @@ mod closed_form;
 mod factor;
 mod misfit;
 mod plan;
+mod quantity;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -53,6 +54,8 @@ use case::{Bench, Finished};
 pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
 use plan::{Design, Outlook};
+use quantity::Compared;
+pub use quantity::Quantity;
 
 /// Share of a record's intensity that a window holds, and what is added of the duration for the waves
 /// to cross the body.
@@ -185,7 +188,9 @@ pub struct Trade {
     duration: f64,
     window: f64,
     reference: Reference,
+    compared: Compared,
     mesh_error: bool,
+    exhaustive: bool,
 }
 
 impl Trade {
@@ -196,8 +201,8 @@ impl Trade {
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
         let (path, registry) = (path.as_ref(), registry());
         let scene = Scene::from_file_with(path, &registry)?;
-        let plan = scene.output_plan();
-        if plan.histories.is_empty() && plan.relative.is_empty() && plan.stresses.is_empty() {
+        let compared = Compared::of(&scene);
+        if compared.quantities.is_empty() {
             return Err(StudyError::NoHistories);
         }
         let text = scene.source().map_or("", |source| &source.text).to_owned();
@@ -214,7 +219,9 @@ impl Trade {
             duration: scene.run_duration(),
             window: window(&scene),
             reference: Reference::Finest,
+            compared,
             mesh_error: false,
+            exhaustive: false,
             path: path.into(),
             file,
             registry,
@@ -231,6 +238,52 @@ impl Trade {
     #[must_use]
     pub fn against(mut self, reference: Reference) -> Self {
         self.reference = reference;
+        self
+    }
+    /// The same with errors of these quantities alone, in place of all that the scene records.
+    ///
+    /// # Errors
+    /// [`StudyError::NotRecorded`] for one that the scene does not record, [`StudyError::NoHistories`] without
+    /// any.
+    pub fn comparing(mut self, quantities: &[Quantity]) -> Result<Self, StudyError> {
+        if quantities.is_empty() {
+            return Err(StudyError::NoHistories);
+        }
+        let recorded = &self.compared.quantities;
+        if let Some(missing) = quantities.iter().find(|asked| !recorded.contains(asked)) {
+            let quantity = missing.name();
+            return Err(StudyError::NotRecorded { quantity });
+        }
+        self.compared.quantities = quantities.to_vec();
+        Ok(self)
+    }
+    /// The same with only these factors left to choose; the scene decides on the others.
+    ///
+    /// # Errors
+    /// [`StudyError::NoSuchFactor`].
+    pub fn only(mut self, names: &[impl AsRef<str>]) -> Result<Self, StudyError> {
+        let known = |name: &str| self.factors.iter().any(|factor| factor.name == name);
+        if let Some(name) = names.iter().map(AsRef::as_ref).find(|name| !known(name)) {
+            return Err(StudyError::NoSuchFactor {
+                name: name.into(),
+                available: self.factors.iter().map(|factor| factor.name).collect(),
+            });
+        }
+        let is_left = |name: &str| names.iter().any(|other| other.as_ref() == name);
+        let factors = self
+            .factors
+            .into_iter()
+            .map(|factor| match is_left(factor.name) {
+                true => factor,
+                false => factor.fixed(),
+            });
+        self.factors = factors.collect();
+        Ok(self)
+    }
+    /// The same with every combination of levels run, in place of those that promise most.
+    #[must_use]
+    pub fn exhaustive(mut self) -> Self {
+        self.exhaustive = true;
         self
     }
     /// The same with one more run, of the reference on elements half the size: it tells the error of the
@@ -253,7 +306,8 @@ impl Trade {
     /// the goal, the scene of that run.
     ///
     /// # Errors
-    /// A reference that is refused or fails; [`StudyError::NoClosedForm`]; [`StudyError::Interrupted`] if it
+    /// A reference that is refused or fails; [`StudyError::NoClosedForm`]; [`StudyError::StillHistories`];
+    /// [`StudyError::Interrupted`] if it
     /// was stopped from outside: what was finished until then stays, and another trade goes on from
     /// there.
     pub fn run(
@@ -267,7 +321,11 @@ impl Trade {
             // Whether there is one shows before anything runs.
             closed_form::closed_form(&self.scene(&alone[0])?, &[])?;
         }
-        self.announce(alone.len() + MOST_COMBINATIONS, watch)?;
+        let most = match self.exhaustive {
+            true => plan::all(&self.factors).len(),
+            false => alone.len() + MOST_COMBINATIONS,
+        };
+        self.announce(most, watch)?;
         let mut bench = Bench {
             stop,
             window: self.window,
@@ -287,9 +345,13 @@ impl Trade {
                     if combinations == 0 {
                         of_reference = self.error_of_reference(&cases);
                     }
-                    let next = plan::next(&self.factors, (&known, &failed), (goal, of_reference));
                     combinations += 1;
-                    match next.filter(|_| combinations <= MOST_COMBINATIONS) {
+                    let next = match self.exhaustive {
+                        true => plan::unknown(&self.factors, &known, &failed).next(),
+                        false => plan::next(&self.factors, (&known, &failed), (goal, of_reference))
+                            .filter(|_| combinations <= MOST_COMBINATIONS),
+                    };
+                    match next {
                         Some(design) => design,
                         None => break,
                     }
@@ -420,7 +482,9 @@ impl Trade {
         watch: &mut dyn TradeWatch,
         name: &str,
     ) -> Result<Finished, StudyError> {
-        let levels: Vec<String> = design.iter().map(usize::to_string).collect();
+        let chosen = self.factors.iter().zip(design);
+        let places = chosen.map(|(factor, &level)| factor.levels[level].place().to_string());
+        let levels: Vec<String> = places.collect();
         // Stages know of elements and their numbers, not of steps and waves.
         let of_body = self.factors.iter().zip(&levels);
         let of_body =
@@ -474,7 +538,8 @@ impl Trade {
         let text = self.written(&file)?;
         watch.begins(name, place);
         let fine = self.finish_file(&text, (folder, folder), bench, (watch, name))?;
-        let misfit = misfit::misfit(&fine.histories, &coarse.histories);
+        let truth = self.compared.among(fine.histories);
+        let misfit = misfit::misfit(&truth, &coarse.histories);
         let case = TradeCase {
             name: name.into(),
             levels: design,
@@ -488,17 +553,21 @@ impl Trade {
 
     /// The histories that others are compared with.
     fn reference_of(&self, finest: &Finished) -> Result<Vec<TableColumn>, StudyError> {
-        match self.reference {
-            Reference::Finest => Ok(finest.histories.clone()),
+        let columns = match self.reference {
+            Reference::Finest => finest.histories.clone(),
             Reference::ClosedForm => {
                 let scene = self.scene(&vec![0; self.factors.len()])?;
-                let times = finest
-                    .histories
-                    .first()
-                    .map_or(&[][..], |time| &time.values);
-                closed_form::closed_form(&scene, times)
+                let times = finest.histories.first();
+                closed_form::closed_form(&scene, times.map_or(&[][..], |time| &time.values))?
             }
+        };
+        let compared = self.compared.among(columns);
+        let mut values = compared.iter().skip(1).flat_map(|column| &column.values);
+        if values.all(|value| *value == 0.0) {
+            let window = self.window;
+            return Err(StudyError::StillHistories { window });
         }
+        Ok(compared)
     }
 
     /// The error of the finest run, on its mesh: schemes are of second order, so that a step twice as

@@ -44,7 +44,7 @@ pub(super) fn alone(factors: &[Factor]) -> Vec<Design> {
 }
 
 /// All designs.
-fn all(factors: &[Factor]) -> Vec<Design> {
+pub(super) fn all(factors: &[Factor]) -> Vec<Design> {
     let mut designs = vec![Vec::new()];
     for factor in factors {
         let with = |design: &Design| {
@@ -74,6 +74,17 @@ fn expected(design: &Design, known: &[(Design, Outlook)]) -> Option<Outlook> {
     Some(Outlook { error, cost })
 }
 
+/// The designs that were not run.
+pub(super) fn unknown(
+    factors: &[Factor],
+    known: &[(Design, Outlook)],
+    failed: &[Design],
+) -> impl Iterator<Item = Design> {
+    all(factors)
+        .into_iter()
+        .filter(|design| !failed.contains(design) && known.iter().all(|(other, _)| other != design))
+}
+
 /// The next design worth a run, once each level is known alone; none if no other promises more than
 /// what was found.
 pub(super) fn next(
@@ -82,11 +93,7 @@ pub(super) fn next(
     (goal, of_reference): (Goal, f64),
 ) -> Option<Design> {
     let best = best(known, (goal, of_reference));
-    let unknown = all(factors).into_iter();
-    let unknown = unknown.filter(|design| {
-        !failed.contains(design) && known.iter().all(|(other, _)| other != design)
-    });
-    let mut promising: Vec<(Design, Outlook)> = unknown
+    let mut promising: Vec<(Design, Outlook)> = unknown(factors, known, failed)
         .filter_map(|design| expected(&design, known).map(|outlook| (design, outlook)))
         .filter(|(_, outlook)| outlook.meets(goal, of_reference))
         .filter(

@@ -1,0 +1,149 @@
+//! Which histories of a scene count.
+
+use std::collections::BTreeSet;
+
+use powerhouse::io::TableColumn;
+use powerhouse::model::HistoryKind;
+use powerhouse::{OutputPlan, Scene};
+
+/// What histories are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quantity {
+    /// Displacement of a place.
+    Displacement,
+    /// Displacement of a place relative to another.
+    Relative,
+    /// Velocity.
+    Velocity,
+    /// Acceleration.
+    Acceleration,
+    /// Stress of an element.
+    Stress,
+    /// What a law remembers of an element, flags aside.
+    State,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Displacement,
+        Self::Relative,
+        Self::Velocity,
+        Self::Acceleration,
+        Self::Stress,
+        Self::State,
+    ];
+
+    /// Its name in messages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Relative => "relative displacement",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Stress => "stress",
+            Self::State => "state",
+        }
+    }
+
+    /// Whether a plan asks for histories of it.
+    pub(super) fn is_recorded(self, plan: &OutputPlan) -> bool {
+        let motions = || plan.histories.iter().map(|wish| wish.motion);
+        match self {
+            Self::Displacement => motions().any(|motion| motion.displacement),
+            Self::Velocity => motions().any(|motion| motion.velocity),
+            Self::Acceleration => motions().any(|motion| motion.acceleration),
+            Self::Relative => !plan.relative.is_empty(),
+            Self::Stress => !plan.stresses.is_empty(),
+            Self::State => !plan.state.places.is_empty(),
+        }
+    }
+}
+
+/// The columns of a scene's histories that are compared.
+pub(super) struct Compared {
+    pub(super) quantities: Vec<Quantity>,
+    /// Names of histories of relative displacements.
+    relative: BTreeSet<String>,
+    /// Names of variables that are flags: of these no part can be missing.
+    flags: BTreeSet<&'static str>,
+}
+
+impl Compared {
+    /// All that a scene records.
+    pub(super) fn of(scene: &Scene) -> Self {
+        let plan = scene.output_plan();
+        let variables = scene
+            .parts()
+            .iter()
+            .flat_map(|part| part.material.history());
+        let flags = variables.filter(|variable| variable.kind == HistoryKind::Flags);
+        let recorded = Quantity::ALL.into_iter();
+        Self {
+            quantities: recorded
+                .filter(|quantity| quantity.is_recorded(plan))
+                .collect(),
+            relative: plan.relative.iter().map(|wish| wish.name.clone()).collect(),
+            flags: flags.map(|variable| variable.name).collect(),
+        }
+    }
+
+    /// Those of some columns that count, after the first, which is time.
+    pub(super) fn among(&self, mut columns: Vec<TableColumn>) -> Vec<TableColumn> {
+        let mut place = 0;
+        columns.retain(|column| {
+            place += 1;
+            place == 1 || self.counts(column)
+        });
+        columns
+    }
+
+    fn counts(&self, column: &TableColumn) -> bool {
+        let (stem, variable) = column.name.rsplit_once('.').unwrap_or(("", &column.name));
+        let quantity = match column.unit.as_str() {
+            "m" if self.relative.contains(stem) => Quantity::Relative,
+            "m" => Quantity::Displacement,
+            "m/s" => Quantity::Velocity,
+            "m/s2" => Quantity::Acceleration,
+            "Pa" => Quantity::Stress,
+            _ => Quantity::State,
+        };
+        self.quantities.contains(&quantity) && !self.flags.contains(variable)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Time stays, flags go, and of the rest what is asked for stays.
+    #[test]
+    fn columns_are_picked_by_what_they_are_of() {
+        let column = |name: &str, unit: &str| TableColumn::new(name, unit, vec![0.0]);
+        let columns = || {
+            vec![
+                column("time", "s"),
+                column("A.ux", "m"),
+                column("A-B.ux", "m"),
+                column("A.ax", "m/s2"),
+                column("E.xx", "Pa"),
+                column("E.damage", "1"),
+                column("E.yield_state", "1"),
+            ]
+        };
+        let names = |quantities: &[Quantity]| {
+            let compared = Compared {
+                quantities: quantities.to_vec(),
+                relative: ["A-B".to_owned()].into(),
+                flags: ["yield_state"].into(),
+            };
+            let left = compared.among(columns()).into_iter();
+            left.map(|column| column.name).collect::<Vec<String>>()
+        };
+        assert_eq!(names(&[Quantity::Relative]), ["time", "A-B.ux"]);
+        let both = [Quantity::Displacement, Quantity::State];
+        assert_eq!(names(&both), ["time", "A.ux", "E.damage"]);
+        assert_eq!(names(&Quantity::ALL).len(), 6);
+    }
+}
