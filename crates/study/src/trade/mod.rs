@@ -33,6 +33,8 @@ mod factor;
 mod misfit;
 mod plan;
 mod quantity;
+mod report;
+mod written;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -42,12 +44,11 @@ use std::time::Duration;
 
 use powerhouse::io::TableColumn;
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{ProgressHook, Registry, Scene};
+use powerhouse::{Registry, Scene};
 use toml::{Table, Value};
 
 use crate::mark::{Mark, inputs};
-use crate::price::{Price, draw_prices, price_front};
-use crate::sweep::write_text;
+use crate::price::price_front;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
 use case::{Bench, Finished};
@@ -56,6 +57,7 @@ pub use factor::{Factor, Level};
 use plan::{Design, Outlook};
 use quantity::Compared;
 pub use quantity::Quantity;
+pub use report::{Goal, Reference, Silent, TradeCase, TradeReport, TradeWatch};
 
 /// Share of a record's intensity that a window holds, and what is added of the duration for the waves
 /// to cross the body.
@@ -69,112 +71,6 @@ const SECOND_ORDER: f64 = 4.0 / 3.0;
 const REFINED: (&str, &str) = ("reference on elements half the size", "refined");
 /// Combinations that are run at most beyond single changes.
 const MOST_COMBINATIONS: usize = 6;
-/// The picture in the folder of a trade.
-const PICTURE: &str = "trade.svg";
-/// The table.
-const TABLE: &str = "trade.csv";
-
-/// What is wanted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Goal {
-    /// The front alone.
-    Front,
-    /// The cheapest run whose error, with that of the reference, is at most this.
-    Error(f64),
-    /// The most accurate run that takes at most this wall time (s).
-    Budget(f64),
-}
-
-/// What errors are measured against.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Reference {
-    /// The run in which every factor is at its most accurate level.
-    #[default]
-    Finest,
-    /// The field that comes in, for ground without a structure.
-    ClosedForm,
-}
-
-/// Is told how a trade goes.
-pub trait TradeWatch {
-    /// Before anything runs: how many runs there will be at most, of how many seconds of the scene, and
-    /// how long all of them will take.
-    fn before(&mut self, _runs: usize, _window: f64, _at_most: Duration) {}
-    /// A run begins: its name and its place from 1.
-    fn begins(&mut self, _name: &str, _place: usize) {}
-    /// It was finished before.
-    fn kept(&mut self, _name: &str) {}
-    /// The hook for its steps.
-    fn progress(&mut self) -> Option<ProgressHook<'static>> {
-        None
-    }
-    /// It failed; the others go on.
-    fn fails(&mut self, _name: &str, _error: &StudyError) {}
-    /// It is finished.
-    fn ends(&mut self, _case: &TradeCase) {}
-}
-
-/// Hears nothing.
-pub struct Silent;
-
-impl TradeWatch for Silent {}
-
-/// A run of a trade.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TradeCase {
-    /// The levels in which it differs from the reference, or `reference`.
-    pub name: String,
-    /// The level of each factor.
-    pub levels: Vec<usize>,
-    /// What it costs.
-    pub cost: CaseCost,
-    /// Its relative error, that of the reference aside.
-    pub error: f64,
-    /// The history that has this error.
-    pub worst: String,
-}
-
-impl TradeCase {
-    /// The wall time of the whole run (s) and the error.
-    pub fn price(&self) -> Price {
-        Price {
-            name: self.name.clone(),
-            cost: self.cost.wall_time(),
-            error: self.error,
-        }
-    }
-}
-
-/// What a trade found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TradeReport {
-    /// The scene's title.
-    pub title: String,
-    /// The factors.
-    pub factors: Vec<Factor>,
-    /// All runs.
-    pub cases: Vec<TradeCase>,
-    /// Levels with which a run was refused or failed, and why.
-    pub failed: Vec<(String, String)>,
-    /// The estimated error of the reference itself, that of the mesh aside.
-    pub reference_error: f64,
-    /// The reference on elements half the size, if that was [asked for](Trade::with_mesh_error): what it
-    /// costs, and as its error that of the scene's own mesh.
-    pub refined: Option<TradeCase>,
-    /// The places of the runs that no other betters in cost and error, the cheapest first.
-    pub front: Vec<usize>,
-    /// The place of the run that meets the goal, if one does.
-    pub chosen: Option<usize>,
-    /// Files that were written, the chosen scene first if there is one.
-    pub files: Vec<PathBuf>,
-}
-
-impl TradeReport {
-    /// What the runs cost, as wall times of the whole run (s), and err.
-    pub fn prices(&self) -> Vec<Price> {
-        self.cases.iter().map(TradeCase::price).collect()
-    }
-}
 
 /// A scene file and what it leaves to choose.
 pub struct Trade {
@@ -584,54 +480,6 @@ impl Trade {
             case.levels[place] == 1 && others.into_iter().all(|(_, level)| *level == 0)
         });
         coarser.map_or(0.0, |case| case.error / 3.0)
-    }
-
-    fn write(&self, report: &mut TradeReport) -> Result<(), StudyError> {
-        let mut files = Vec::new();
-        if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
-            let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
-            let file = self.path.with_file_name(format!("{stem}_trade.toml"));
-            let of_mesh = report.refined.as_ref();
-            let of_mesh = of_mesh.map(|case| format!(", its mesh by about {:.1e}", case.error));
-            let text = format!(
-                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}), the reference by {:.2e}{}; the whole run takes {:.0} s.\n\n{}",
-                self.path.file_name().unwrap_or_default().to_string_lossy(),
-                case.name,
-                self.window,
-                case.error,
-                case.worst,
-                report.reference_error,
-                of_mesh.unwrap_or_default(),
-                case.cost.wall_time(),
-                self.text_of(&case.levels)?
-            );
-            write_text(&file, &text)?;
-            files.push(file);
-        }
-        let mut text = String::from(
-            "levels,error [1],wall time [s],step [s],time of a step [s],memory [bytes],on the front\n",
-        );
-        for (place, case) in report.cases.iter().chain(&report.refined).enumerate() {
-            let cost = &case.cost;
-            text += &format!(
-                "\"{}\",{:e},{:e},{:e},{:e},{},{}\n",
-                case.name,
-                case.error,
-                cost.wall_time(),
-                cost.step,
-                cost.time_of_step,
-                cost.memory,
-                report.front.contains(&place)
-            );
-        }
-        let (table, picture) = (self.folder.join(TABLE), self.folder.join(PICTURE));
-        write_text(&table, &text)?;
-        let cost = ("wall time of the whole run", "s");
-        let uncertainty = report.reference_error;
-        draw_prices(&picture, &report.title, cost, &report.prices(), uncertainty)?;
-        files.extend([table, picture]);
-        report.files = files;
-        Ok(())
     }
 }
 

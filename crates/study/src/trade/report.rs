@@ -1,0 +1,112 @@
+//! What is wanted of a trade, what it tells on its way and what it finds.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use powerhouse::ProgressHook;
+
+use super::{CaseCost, Factor};
+use crate::StudyError;
+use crate::price::Price;
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// The front alone.
+    Front,
+    /// The cheapest run whose error, with that of the reference, is at most this.
+    Error(f64),
+    /// The most accurate run that takes at most this wall time (s).
+    Budget(f64),
+}
+
+/// What errors are measured against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reference {
+    /// The run in which every factor is at its most accurate level.
+    #[default]
+    Finest,
+    /// The field that comes in, for ground without a structure.
+    ClosedForm,
+}
+
+/// Is told how a trade goes.
+pub trait TradeWatch {
+    /// Before anything runs: how many runs there will be at most, of how many seconds of the scene, and
+    /// how long all of them will take.
+    fn before(&mut self, _runs: usize, _window: f64, _at_most: Duration) {}
+    /// A run begins: its name and its place from 1.
+    fn begins(&mut self, _name: &str, _place: usize) {}
+    /// It was finished before.
+    fn kept(&mut self, _name: &str) {}
+    /// The hook for its steps.
+    fn progress(&mut self) -> Option<ProgressHook<'static>> {
+        None
+    }
+    /// It failed; the others go on.
+    fn fails(&mut self, _name: &str, _error: &StudyError) {}
+    /// It is finished.
+    fn ends(&mut self, _case: &TradeCase) {}
+}
+
+/// Hears nothing.
+pub struct Silent;
+
+impl TradeWatch for Silent {}
+
+/// A run of a trade.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TradeCase {
+    /// The levels in which it differs from the reference, or `reference`.
+    pub name: String,
+    /// The level of each factor.
+    pub levels: Vec<usize>,
+    /// What it costs.
+    pub cost: CaseCost,
+    /// Its relative error, that of the reference aside.
+    pub error: f64,
+    /// The history that has this error.
+    pub worst: String,
+}
+
+impl TradeCase {
+    /// The wall time of the whole run (s) and the error.
+    pub fn price(&self) -> Price {
+        Price {
+            name: self.name.clone(),
+            cost: self.cost.wall_time(),
+            error: self.error,
+        }
+    }
+}
+
+/// What a trade found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TradeReport {
+    /// The scene's title.
+    pub title: String,
+    /// The factors.
+    pub factors: Vec<Factor>,
+    /// All runs.
+    pub cases: Vec<TradeCase>,
+    /// Levels with which a run was refused or failed, and why.
+    pub failed: Vec<(String, String)>,
+    /// The estimated error of the reference itself, that of the mesh aside.
+    pub reference_error: f64,
+    /// The reference on elements half the size, if that was [asked for](Trade::with_mesh_error): what it
+    /// costs, and as its error that of the scene's own mesh.
+    pub refined: Option<TradeCase>,
+    /// The places of the runs that no other betters in cost and error, the cheapest first.
+    pub front: Vec<usize>,
+    /// The place of the run that meets the goal, if one does.
+    pub chosen: Option<usize>,
+    /// Files that were written, the chosen scene first if there is one.
+    pub files: Vec<PathBuf>,
+}
+
+impl TradeReport {
+    /// What the runs cost, as wall times of the whole run (s), and err.
+    pub fn prices(&self) -> Vec<Price> {
+        self.cases.iter().map(TradeCase::price).collect()
+    }
+}

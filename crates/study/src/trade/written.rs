@@ -1,0 +1,62 @@
+//! The files of a trade: the scene that it chose, a table and a picture.
+
+use super::{Trade, TradeReport};
+use crate::StudyError;
+use crate::price::draw_prices;
+use crate::sweep::write_text;
+
+/// The picture in the folder of a trade.
+const PICTURE: &str = "trade.svg";
+/// The table.
+const TABLE: &str = "trade.csv";
+
+impl Trade {
+    /// Writes the files and names them in the report.
+    pub(super) fn write(&self, report: &mut TradeReport) -> Result<(), StudyError> {
+        let mut files = Vec::new();
+        if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
+            let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+            let file = self.path.with_file_name(format!("{stem}_trade.toml"));
+            let of_mesh = report.refined.as_ref();
+            let of_mesh = of_mesh.map(|case| format!(", its mesh by about {:.1e}", case.error));
+            let text = format!(
+                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}), the reference by {:.2e}{}; the whole run takes {:.0} s.\n\n{}",
+                self.path.file_name().unwrap_or_default().to_string_lossy(),
+                case.name,
+                self.window,
+                case.error,
+                case.worst,
+                report.reference_error,
+                of_mesh.unwrap_or_default(),
+                case.cost.wall_time(),
+                self.text_of(&case.levels)?
+            );
+            write_text(&file, &text)?;
+            files.push(file);
+        }
+        let mut text = String::from(
+            "levels,error [1],wall time [s],step [s],time of a step [s],memory [bytes],on the front\n",
+        );
+        for (place, case) in report.cases.iter().chain(&report.refined).enumerate() {
+            let cost = &case.cost;
+            text += &format!(
+                "\"{}\",{:e},{:e},{:e},{:e},{},{}\n",
+                case.name,
+                case.error,
+                cost.wall_time(),
+                cost.step,
+                cost.time_of_step,
+                cost.memory,
+                report.front.contains(&place)
+            );
+        }
+        let (table, picture) = (self.folder.join(TABLE), self.folder.join(PICTURE));
+        write_text(&table, &text)?;
+        let cost = ("wall time of the whole run", "s");
+        let uncertainty = report.reference_error;
+        draw_prices(&picture, &report.title, cost, &report.prices(), uncertainty)?;
+        files.extend([table, picture]);
+        report.files = files;
+        Ok(())
+    }
+}
