@@ -272,7 +272,7 @@ fn bay(scene: &Path, window: f64) -> Outcome<PriceTable> {
         "bay",
         "The powerhouse of Wang, Chen & Xiao (2019)",
         "Rock that yields, concrete that cracks, joints and bolts, after six stages: the first second of the\n\
-         coarse bay under SV at 30 degrees; all histories, against the finest run on the same mesh.",
+         coarse bay under SV at 30 degrees; all that it records, against the finest run.",
     );
     let folder = std::env::temp_dir().join("powerhouse-verification-bay");
     let trade = Trade::of_file(scene, Some(folder))?.window(window);

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use powerhouse::ProgressHook;
 use powerhouse_study::StudyError;
 use powerhouse_study::trade::{
-    Goal, Quantity, Reference, Trade, TradeCase, TradeReport, TradeWatch,
+    Goal, MeshError, Quantity, Reference, Trade, TradeCase, TradeReport, TradeWatch,
 };
 
 use crate::progress::Display;
@@ -32,21 +32,16 @@ pub(crate) struct Wishes {
     #[arg(long, value_name = "SECONDS")]
     window: Option<f64>,
     /// The histories whose errors count, such as displacement,relative; all that the scene records by default.
-    #[arg(
-        long = "of",
-        value_name = "QUANTITY",
-        value_enum,
-        value_delimiter = ','
-    )]
-    quantities: Vec<Compared>,
+    #[arg(long = "of", value_name = "QUANTITY", value_parser = quantity, value_delimiter = ',')]
+    quantities: Vec<Quantity>,
     /// The factors that are left to choose, such as kernel,precision; the scene decides on the others.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     factors: Vec<String>,
     /// Run every combination of all levels, in place of those that promise most.
     #[arg(long)]
     every_combination: bool,
-    /// Also run the most accurate form on elements half the size, which tells the error of the mesh and
-    /// takes sixteen times as long.
+    /// Also run the reference on elements half the size, which tells the error of the mesh and takes sixteen
+    /// times as long.
     #[arg(long)]
     mesh: bool,
     /// The folder for results, in place of `trade` in the scene's own.
@@ -73,8 +68,7 @@ impl Wishes {
             trade = trade.window(window);
         }
         if !self.quantities.is_empty() {
-            let quantities = self.quantities.into_iter().map(Compared::quantity);
-            trade = trade.comparing(&quantities.collect::<Vec<Quantity>>())?;
+            trade = trade.comparing(&self.quantities)?;
         }
         if !self.factors.is_empty() {
             trade = trade.only(&self.factors)?;
@@ -96,36 +90,6 @@ enum Against {
     Finest,
     /// The field that comes in: for ground without a structure.
     ClosedForm,
-}
-
-/// Histories whose errors count in a trade.
-#[derive(Clone, Copy, ValueEnum)]
-enum Compared {
-    /// Displacements of places.
-    Displacement,
-    /// Displacements relative to another place.
-    Relative,
-    /// Velocities.
-    Velocity,
-    /// Accelerations.
-    Acceleration,
-    /// Stresses of elements.
-    Stress,
-    /// What laws remember, such as damage.
-    State,
-}
-
-impl Compared {
-    fn quantity(self) -> Quantity {
-        match self {
-            Self::Displacement => Quantity::Displacement,
-            Self::Relative => Quantity::Relative,
-            Self::Velocity => Quantity::Velocity,
-            Self::Acceleration => Quantity::Acceleration,
-            Self::Stress => Quantity::Stress,
-            Self::State => Quantity::State,
-        }
-    }
 }
 
 /// Tells on the terminal how a trade goes.
@@ -173,6 +137,15 @@ impl TradeWatch for Told {
             cost.time_of_step
         );
     }
+    fn tells_mesh(&mut self, mesh: &MeshError) {
+        if let Some(display) = self.display.take() {
+            display.clear();
+        }
+        println!(
+            "  the mesh errs by about {:.2e} ({})",
+            mesh.error, mesh.worst
+        );
+    }
 }
 
 /// A time (s) in the unit that suits it.
@@ -192,6 +165,14 @@ fn budget(text: &str) -> Result<f64, String> {
         (text.trim_end_matches(unit), *scale)
     });
     positive(number, scale).ok_or_else(|| "a time such as 90s, 2min or 1.5h".into())
+}
+
+/// Reads the name of what histories are of.
+fn quantity(text: &str) -> Result<Quantity, String> {
+    let known = Quantity::ALL
+        .into_iter()
+        .find(|known| known.keyword() == text);
+    known.ok_or_else(|| format!("one of {}", Quantity::ALL.map(Quantity::keyword).join(", ")))
 }
 
 /// Reads an error, such as `2%` or `0.02`.
@@ -255,15 +236,14 @@ fn tell(report: &TradeReport) {
             case.name
         );
     }
-    // Nothing is known of it where no other step was run.
-    if report.reference_error > 0.0 {
-        let error = report.reference_error;
-        println!("error of the reference {error:.1e}, on this mesh");
+    match report.reference_error {
+        Some(error) => println!("error of the reference {error:.1e}, on this mesh"),
+        None => println!("error of the reference unknown: no other step was run"),
     }
-    if let Some(case) = &report.refined {
+    if let Some(mesh) = &report.mesh {
         println!(
-            "error of the mesh {:.1e} ({}), about",
-            case.error, case.worst
+            "error of the mesh about {:.1e} ({})",
+            mesh.error, mesh.worst
         );
     }
     if let Some(case) = report.chosen.map(|place| &report.cases[place]) {

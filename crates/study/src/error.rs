@@ -61,6 +61,18 @@ pub enum StudyError {
         /// Its length (s).
         window: f64,
     },
+    /// A scene that would not be the same on smaller elements.
+    #[error(
+        "on smaller elements the nodal load on '{set}' would act at {more} nodes instead of {nodes}"
+    )]
+    MoreLoad {
+        /// The load's set.
+        set: String,
+        /// Its nodes.
+        nodes: usize,
+        /// Those on smaller elements.
+        more: usize,
+    },
     /// A factor that a scene does not leave to choose.
     #[error("the scene leaves no '{name}' to choose, but {}", available.join(", "))]
     NoSuchFactor {

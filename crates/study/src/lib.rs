@@ -40,6 +40,7 @@ mod mark;
 mod names;
 mod opening_slice;
 mod price;
+mod recorded;
 mod report;
 mod resolution;
 mod rounded;

@@ -131,10 +131,16 @@ pub enum MeshError {
         /// Numbers of its nodes.
         nodes: Vec<u64>,
     },
+    /// Numbers so large that smaller elements cannot have numbers of their own behind them.
+    #[error("numbers of {what}s are too large for more of them to have numbers of their own")]
+    Numbers {
+        /// `node` or `element`.
+        what: &'static str,
+    },
     /// More than 2^32 - 1 nodes or elements.
     #[error("the mesh has {count} {what}, more than this version can number")]
     TooLarge {
-        /// `nodes` or `elements`.
+        /// What they are, such as `nodes`.
         what: &'static str,
         /// How many.
         count: usize,

@@ -4,81 +4,128 @@ use std::collections::HashMap;
 
 use super::{ElementKind, Facet, Mesh, MeshError, Vec3};
 
-/// Parts of an element that is cut; numbers of elements grow by this factor.
-const PARTS: u64 = 8;
-
-/// Nodes of an element between which a new one lies halfway, at its place in the element's list.
-type Between = Vec<u8>;
-
-/// The nodes of a whole between which each node of a part lies.
-type Part = Vec<Between>;
-
 impl Mesh {
-    /// The mesh with every element cut at the middles of its edges: a solid into eight of its kind, a bar
-    /// into two.
+    /// The mesh with every element cut at the middles of its edges: a solid into eight of its kind, a bar into
+    /// two if it lies along an edge of a solid.
     ///
     /// The body stays the same: new nodes lie halfway between those of an element, on the sides that it has,
     /// and do not follow what it stands for. Old nodes keep their places and numbers; new ones follow,
-    /// numbered from the greatest number on. Element `n` becomes `8 n`, `8 n + 1` and so on. Sets of elements
-    /// and facets hold the parts of what they held, sets of nodes also the new nodes between
-    /// nodes of theirs that belong to one edge, side or element.
+    /// numbered from the greatest number on. The parts of an element have its number behind a digit of
+    /// their own: of at most 15,840 elements number 12 becomes 100012 to 800012, so that no old number names a
+    /// new element. Sets of elements and facets hold the parts of what they held, sets of nodes also the new
+    /// nodes between nodes of theirs that belong to one edge, side or element.
     ///
     /// # Errors
-    /// [`MeshError::TooLarge`].
+    /// [`MeshError::TooLarge`], [`MeshError::Numbers`].
     ///
     /// ```
     /// use powerhouse_model::{Mesh, Vec3};
     /// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 1.0, 1.0), [2, 1, 1], "rock")?;
     /// let fine = mesh.refined()?;
     /// assert_eq!((fine.element_count(), fine.node_count()), (16, 5 * 3 * 3));
+    /// assert_eq!(fine.element_tags()[8..10], [12, 22]);
     /// assert_eq!(fine.element_set("rock")?.len(), 16);
     /// assert_eq!(fine.facet_set("left")?.len(), 4);
     /// # Ok::<(), powerhouse_model::MeshError>(())
     /// ```
     pub fn refined(&self) -> Result<Self, MeshError> {
         let cuts = Cuts::new();
+        self.check_refined_size(&cuts)?;
+        let stride = self.number_stride()?;
+        let mut new = NewNodes::of(self);
+        // Nodes of the parts of all solids: bars are cut where these have a node.
+        let mut of_solids = Vec::new();
+        for element in self.solids() {
+            let cut = cuts.of(self, element);
+            let points = new.points_of(self, element, cut);
+            let corners = cut.parts.iter().flatten();
+            of_solids.extend(corners.map(|&point| points[point as usize]));
+        }
         let mut fine = Self {
             positions: self.positions.clone(),
             node_tags: self.node_tags.clone(),
             offsets: vec![0],
             ..Self::default()
         };
-        let mut new = NewNodes::of(self);
-        // Where the parts of each element start.
-        let mut firsts = Vec::with_capacity(self.element_count());
+        let mut of_solids = of_solids.into_iter();
+        // Where the parts of each element start, and where the last ones end.
+        let mut firsts = vec![0];
         for element in 0..self.element_count() as u32 {
-            let cut = cuts.of(self, element);
-            let tag = self.element_tags[element as usize];
-            firsts.push(fine.kinds.len() as u32);
-            for (place, part) in cut.parts.iter().enumerate() {
-                fine.kinds.push(self.kind(element));
-                let number = tag
-                    .checked_mul(PARTS)
-                    .and_then(|n| n.checked_add(place as u64));
-                fine.element_tags.push(number.ok_or(MeshError::TooLarge {
-                    what: "as the number of an element",
-                    count: tag as usize,
-                })?);
-                for between in part {
-                    let node = new.between(self, element, between, &mut fine.positions);
-                    fine.connectivity.push(node);
+            let kind = self.kind(element);
+            let nodes = self.nodes_of(element);
+            let parts: Vec<u32> = match kind {
+                ElementKind::Bar2 => match new.middle(nodes) {
+                    Some(middle) => vec![nodes[0], middle, middle, nodes[1]],
+                    None => nodes.to_vec(),
+                },
+                _ => {
+                    let corners = cuts.of(self, element).parts.iter().map(Vec::len);
+                    of_solids.by_ref().take(corners.sum()).collect()
                 }
+            };
+            let tag = self.element_tags[element as usize];
+            for (part, corners) in (1..).zip(parts.chunks(kind.node_count())) {
+                fine.kinds.push(kind);
+                fine.element_tags.push(tag + part * stride);
+                fine.connectivity.extend(corners);
                 fine.offsets.push(fine.connectivity.len() as u32);
             }
-            if fine.connectivity.len() >= u32::MAX as usize {
-                let (what, count) = ("nodes of elements", fine.connectivity.len());
-                return Err(MeshError::TooLarge { what, count });
-            }
+            firsts.push(fine.kinds.len() as u32);
         }
         let greatest = self.node_tags.iter().copied().max().unwrap_or(0);
-        let added = (fine.positions.len() - self.node_count()) as u64;
-        fine.node_tags.extend((1..=added).map(|i| greatest + i));
+        let added = new.positions.len() as u64;
+        let last = greatest
+            .checked_add(added)
+            .ok_or(MeshError::Numbers { what: "node" })?;
+        fine.node_tags
+            .extend((greatest..last).map(|number| number + 1));
+        self.refine_sets(&mut fine, (&cuts, &firsts, &new))?;
+        fine.positions.append(&mut new.positions);
+        Ok(fine)
+    }
+
+    fn solids(&self) -> impl Iterator<Item = u32> {
+        (0..self.element_count() as u32).filter(|&element| self.kind(element).is_solid())
+    }
+
+    /// Whether the parts can be numbered inside: each corner of one has a place.
+    fn check_refined_size(&self, cuts: &Cuts) -> Result<(), MeshError> {
+        let corners = |element| {
+            let parts = cuts.of(self, element).parts.iter();
+            parts.map(Vec::len).sum::<usize>()
+        };
+        let count: usize = (0..self.element_count() as u32).map(corners).sum();
+        // There are no more new nodes than corners.
+        match count + self.node_count() < u32::MAX as usize {
+            true => Ok(()),
+            false => Err(MeshError::TooLarge {
+                what: "corners of smaller elements",
+                count,
+            }),
+        }
+    }
+
+    /// The least power of ten above all numbers of elements, with room for a digit before it.
+    fn number_stride(&self) -> Result<u64, MeshError> {
+        let greatest = self.element_tags.iter().copied().max().unwrap_or(0);
+        let room = |stride: &u64| *stride < u64::MAX / 10;
+        let mut powers = (0..)
+            .map_while(|power| 10_u64.checked_pow(power))
+            .take_while(room);
+        let stride = powers.find(|stride| *stride > greatest);
+        stride.ok_or(MeshError::Numbers { what: "element" })
+    }
+
+    /// Gives the sets of the mesh to the parts of its elements, which start at `firsts`.
+    fn refine_sets(
+        &self,
+        fine: &mut Self,
+        (cuts, firsts, new): (&Cuts, &[u32], &NewNodes),
+    ) -> Result<(), MeshError> {
         for (name, elements) in &self.element_sets {
-            let parts = elements.iter().flat_map(|&element| {
-                let first = firsts[element as usize];
-                first..first + cuts.of(self, element).parts.len() as u32
-            });
-            fine.element_sets.insert(name.clone(), parts.collect());
+            let parts = |&element: &u32| firsts[element as usize]..firsts[element as usize + 1];
+            let all = elements.iter().flat_map(parts).collect();
+            fine.element_sets.insert(name.clone(), all);
         }
         for (name, nodes) in &self.node_sets {
             let mut all = nodes.clone();
@@ -94,11 +141,9 @@ impl Mesh {
                     side,
                 })
             });
-            let mut parts: Vec<Facet> = parts.collect();
-            parts.sort_unstable();
-            fine.facet_sets.insert(name.clone(), parts);
+            fine.set_facet_set(name, parts.collect())?;
         }
-        Ok(fine)
+        Ok(())
     }
 }
 
@@ -106,8 +151,10 @@ impl Mesh {
 struct NewNodes {
     /// Nodes of the mesh before.
     old: usize,
-    /// The new node between some of them, in rising order and filled up with `u32::MAX`, which is no node.
-    made: HashMap<[u32; 8], u32>,
+    positions: Vec<Vec3>,
+    /// The new node between the ends of an edge or the corners of a side, in rising order; the places of
+    /// two that an edge lacks are filled with `u32::MAX`, which is no node.
+    shared: HashMap<[u32; 4], u32>,
     /// Between which nodes each of them stands, one after the other.
     parents: Vec<u32>,
     /// Where those of each start, and where the last ones end.
@@ -116,41 +163,49 @@ struct NewNodes {
 
 impl NewNodes {
     fn of(mesh: &Mesh) -> Self {
+        // A mesh of bricks has about three edges and three sides to each.
+        let count = 6 * mesh.element_count();
         Self {
             old: mesh.node_count(),
-            made: HashMap::new(),
-            parents: Vec::new(),
+            positions: Vec::with_capacity(count),
+            shared: HashMap::with_capacity(count),
+            parents: Vec::with_capacity(3 * count),
             starts: vec![0],
         }
     }
 
-    /// The node halfway between some of an element's, which is made if it does not stand yet.
-    fn between(
-        &mut self,
-        mesh: &Mesh,
-        element: u32,
-        between: &[u8],
-        positions: &mut Vec<Vec3>,
-    ) -> u32 {
+    /// The nodes at the points of an element, those that do not stand yet being made.
+    fn points_of(&mut self, mesh: &Mesh, element: u32, cut: &Cut) -> Vec<u32> {
         let of_element = mesh.nodes_of(element);
-        let mut nodes: Vec<u32> = between.iter().map(|&i| of_element[i as usize]).collect();
-        if let [node] = nodes[..] {
-            return node;
-        }
-        // In one order whichever element asks, so that it stands in one place.
-        nodes.sort_unstable();
-        let mut key = [u32::MAX; 8];
-        key[..nodes.len()].copy_from_slice(&nodes);
-        if let Some(&node) = self.made.get(&key) {
-            return node;
-        }
-        let new = positions.len() as u32;
-        let sum: Vec3 = nodes.iter().map(|&n| mesh.positions[n as usize]).sum();
-        positions.push(sum / nodes.len() as f64);
-        self.made.insert(key, new);
-        self.parents.extend(nodes);
-        self.starts.push(self.parents.len());
-        new
+        let point = |between: &Between| {
+            let mut nodes: Vec<u32> = between.iter().map(|&i| of_element[i as usize]).collect();
+            if let [node] = nodes[..] {
+                return node;
+            }
+            // In one order whichever element asks, so that it stands in one place.
+            nodes.sort_unstable();
+            let key = key_of(&nodes);
+            if let Some(&node) = key.as_ref().and_then(|key| self.shared.get(key)) {
+                return node;
+            }
+            let new = (self.old + self.positions.len()) as u32;
+            let sum: Vec3 = nodes.iter().map(|&n| mesh.positions[n as usize]).sum();
+            self.positions.push(sum / nodes.len() as f64);
+            if let Some(key) = key {
+                self.shared.insert(key, new);
+            }
+            self.parents.extend(nodes);
+            self.starts.push(self.parents.len());
+            new
+        };
+        cut.points.iter().map(point).collect()
+    }
+
+    /// The node in the middle of an edge, if there is one.
+    fn middle(&self, ends: &[u32]) -> Option<u32> {
+        let mut ends = ends.to_vec();
+        ends.sort_unstable();
+        self.shared.get(&key_of(&ends)?).copied()
     }
 
     /// The new nodes all of whose parents are among some nodes, given and found in rising order.
@@ -170,21 +225,40 @@ impl NewNodes {
     }
 }
 
+/// Sorted nodes of an edge or a side; none for those of a whole element, which shares its middle with none.
+fn key_of(sorted: &[u32]) -> Option<[u32; 4]> {
+    let mut key = [u32::MAX; 4];
+    key.get_mut(..sorted.len())?.copy_from_slice(sorted);
+    Some(key)
+}
+
+/// Nodes of an element between which a point lies halfway, in rising order; one for the node itself.
+type Between = Vec<u8>;
+
 /// How an element is cut.
 struct Cut {
-    parts: Vec<Part>,
+    /// The points at which its parts have nodes.
+    points: Vec<Between>,
+    /// The points of the nodes of each part.
+    parts: Vec<Vec<u8>>,
     /// For each side of the whole the sides of parts that lie on it, with the number of the part.
     sides: Vec<Vec<(u32, u8)>>,
 }
 
 impl Cut {
-    fn new(kind: ElementKind, parts: Vec<Part>) -> Self {
-        let lies_on = |part: &Part, side: &[u8], whole: &[u8]| {
+    fn new(kind: ElementKind, mut parts: Vec<Vec<Between>>) -> Self {
+        for between in parts.iter_mut().flatten() {
+            between.sort_unstable();
+        }
+        let mut points: Vec<Between> = parts.iter().flatten().cloned().collect();
+        points.sort_unstable();
+        points.dedup();
+        let lies_on = |part: &[Between], side: &[u8], whole: &[u8]| {
             let mut parents = side.iter().flat_map(|&node| &part[node as usize]);
             parents.all(|parent| whole.contains(parent))
         };
         let on_side = |whole: &&[u8]| {
-            let of_part = |(place, part): (usize, &Part)| {
+            let of_part = |(place, part): (usize, &Vec<Between>)| {
                 let sides = kind.sides().iter().enumerate();
                 let on = sides.filter(|(_, side)| lies_on(part, side, whole));
                 on.map(|(side, _)| (place as u32, side as u8)).collect()
@@ -192,9 +266,13 @@ impl Cut {
             let found: Vec<Vec<(u32, u8)>> = parts.iter().enumerate().map(of_part).collect();
             found.concat()
         };
+        let sides = kind.sides().iter().map(on_side).collect();
+        let place = |point: &Between| points.partition_point(|other| other < point) as u8;
+        let parts = parts.iter().map(|part| part.iter().map(place).collect());
         Self {
-            sides: kind.sides().iter().map(on_side).collect(),
-            parts,
+            sides,
+            parts: parts.collect(),
+            points,
         }
     }
 }
@@ -215,7 +293,6 @@ struct Cuts {
 
 impl Cuts {
     fn new() -> Self {
-        let of_corners = |kind| Cut::new(kind, corner_parts(kind));
         let mut wedge = corner_parts(ElementKind::Wedge6);
         for level in [0, 3] {
             // What the corners leave: the triangle of the middles of a triangle's edges.
@@ -232,9 +309,9 @@ impl Cuts {
             wedge.push((0..6).map(node).collect());
         }
         Self {
-            hexahedron: of_corners(ElementKind::Hex8),
-            bar: of_corners(ElementKind::Bar2),
+            hexahedron: Cut::new(ElementKind::Hex8, corner_parts(ElementKind::Hex8)),
             wedge: Cut::new(ElementKind::Wedge6, wedge),
+            bar: Cut::new(ElementKind::Bar2, corner_parts(ElementKind::Bar2)),
             tetrahedron: OPPOSITE_EDGES.map(|edges| {
                 let parts = corner_parts(ElementKind::Tet4).into_iter();
                 Cut::new(
@@ -246,7 +323,7 @@ impl Cuts {
     }
 
     /// The four tetrahedra around the diagonal of an octahedron.
-    fn around([first, second]: [[u8; 2]; 2]) -> [Part; 4] {
+    fn around([first, second]: [[u8; 2]; 2]) -> [Vec<Between>; 4] {
         let ([a, b], [c, d]) = (first, second);
         let ring = [[a, c], [c, b], [b, d], [d, a]];
         [0, 1, 2, 3].map(|i| {
@@ -276,7 +353,7 @@ impl Cuts {
 }
 
 /// The part at each corner of an element: the element itself, half as large, with that corner in common.
-fn corner_parts(kind: ElementKind) -> Vec<Part> {
+fn corner_parts(kind: ElementKind) -> Vec<Vec<Between>> {
     let nodes = 0..kind.node_count() as u8;
     // Of which point of each factor (three axes, or a triangle and a line) a node is.
     let point = |node: u8| match kind {

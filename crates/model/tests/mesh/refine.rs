@@ -1,6 +1,8 @@
 //! Meshes whose every element is cut into smaller ones.
 
-use powerhouse_model::{ElementKind, Facet, Mesh, Vec3};
+use std::collections::BTreeSet;
+
+use powerhouse_model::{ElementKind, Facet, Mesh, MeshError, Vec3};
 
 use crate::{GENERATORS, rough_block, volume};
 
@@ -19,6 +21,8 @@ fn parts_fill_the_whole_and_hang_together() {
         let mesh = rough_block(generator, 0.2);
         let fine = mesh.refined().unwrap();
         assert_eq!(fine.element_count(), 8 * mesh.element_count());
+        // The least power of ten above all numbers.
+        let stride = if kind == ElementKind::Hex8 { 100 } else { 1000 };
         for element in 0..mesh.element_count() as u32 {
             let parts: Vec<f64> = (8 * element..8 * element + 8)
                 .map(|e| volume(&fine, e))
@@ -27,7 +31,8 @@ fn parts_fill_the_whole_and_hang_together() {
             assert!((sum / whole - 1.0).abs() < 1e-13, "{kind:?} {sum} {whole}");
             assert!(parts.iter().all(|part| *part > 0.0), "{kind:?}");
             let tag = mesh.element_tags()[element as usize];
-            assert_eq!(fine.element_tags()[8 * element as usize + 7], 8 * tag + 7);
+            let last = fine.element_tags()[8 * element as usize + 7];
+            assert_eq!(last, 8 * stride + tag);
         }
         assert_eq!(fine.check_connected().unwrap().parts, 1);
         // A hanging node would make sides inside the body bare.
@@ -38,9 +43,13 @@ fn parts_fill_the_whole_and_hang_together() {
         let old = mesh.node_count();
         assert_eq!(&fine.positions()[..old], mesh.positions());
         assert_eq!(&fine.node_tags()[..old], mesh.node_tags());
-        let mut tags = fine.node_tags().to_vec();
-        tags.dedup();
-        assert_eq!(tags.len(), fine.node_count());
+        for (tags, count) in [
+            (fine.node_tags(), fine.node_count()),
+            (fine.element_tags(), fine.element_count()),
+        ] {
+            let all: BTreeSet<u64> = tags.iter().copied().collect();
+            assert_eq!(all.len(), count);
+        }
         // Boxes of a mesh of half the size have as many nodes as it.
         assert_eq!(fine.node_count(), 11 * 9 * 7, "{kind:?}");
     }
@@ -96,21 +105,48 @@ fn kinds_may_be_mixed() {
     builder.element(2, ElementKind::Wedge6, &[2, 6, 9, 3, 7, 10], &["rock"]);
     builder.element(3, ElementKind::Tet4, &[2, 9, 6, 11], &["rock"]);
     builder.element(4, ElementKind::Bar2, &[1, 7], &["bolt"]);
+    builder.element(5, ElementKind::Bar2, &[7, 6], &["bolt"]);
     let mesh = builder.build().unwrap();
     mesh.check().unwrap();
     let fine = mesh.refined().unwrap();
-    assert_eq!(fine.element_count(), 8 + 8 + 8 + 2);
+    assert_eq!(fine.element_count(), 8 + 8 + 8 + 1 + 2);
     fine.check_connected().unwrap();
     assert_eq!(
         fine.boundary_facets().len(),
         4 * mesh.boundary_facets().len()
     );
-    assert_eq!(fine.element_set("bolt").unwrap(), [24, 25]);
-    let [first, second] = [24, 25].map(|bar| fine.nodes_of(bar).to_vec());
-    assert_eq!((first[0], first[1], second[1]), (0, second[0], 6));
-    let middle = 0.5 * (Vec3::from(corners[0]) + Vec3::from(corners[6]));
+    // A bar across a brick has no node of a solid in its middle, and stays; one along an edge is cut there.
+    assert_eq!(fine.element_set("bolt").unwrap(), [24, 25, 26]);
+    assert_eq!(fine.element_tags()[24..], [14, 15, 25]);
+    assert_eq!(fine.nodes_of(24), [0, 6]);
+    let [first, second] = [25, 26].map(|bar| fine.nodes_of(bar));
+    assert_eq!((first[0], first[1], second[1]), (6, second[0], 5));
+    let middle = 0.5 * (Vec3::from(corners[5]) + Vec3::from(corners[6]));
     assert_eq!(fine.positions()[first[1] as usize], middle);
-    assert_eq!(fine.element_tags()[24..], [32, 33]);
+}
+
+/// Numbers that leave none for more nodes or elements are refused.
+#[test]
+fn numbers_without_room_are_refused() {
+    for (node, element, wanted) in [(u64::MAX - 3, 1, "node"), (1, u64::MAX - 3, "element")] {
+        let mut builder = Mesh::builder();
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ];
+        let tags = [node, node + 1, node + 2, node + 3];
+        for (tag, corner) in tags.into_iter().zip(corners) {
+            builder.node(tag, Vec3::from(corner));
+        }
+        builder.element(element, ElementKind::Tet4, &tags, &["rock"]);
+        let refused = builder.build().unwrap().refined().unwrap_err();
+        assert!(
+            matches!(refused, MeshError::Numbers { what } if what == wanted),
+            "{refused}"
+        );
+    }
 }
 
 /// The octahedron in a tetrahedron is cut along its shortest diagonal: twice halved, shapes do not get worse.

@@ -138,9 +138,10 @@ pub struct MeshFile {
     /// Multiplies the coordinates, 0.001 for a mesh in millimetres.
     #[serde(default = "one")]
     pub scale: Positive,
-    /// How often every element is cut at the middles of its edges, a solid into eight of its kind: 0 to 3 times.
-    /// The body stays as it is: round walls do not get rounder. Parts of element `n` have the numbers `8 n` to
-    /// `8 n + 7`.
+    /// How often every element is cut at the middles of its edges, a solid into eight of its kind: 0 to 3
+    /// times, after `within` and `slice`, of which the layer gets twice as many elements thick each time. The
+    /// body stays as it is: round walls do not get rounder. Parts of an element have its number behind a digit
+    /// of their own; a `nodal` load acts at all nodes of its set, of which there are more.
     pub refine: Option<At<u32>>,
     /// One layer of elements of a mesh that is the same all along an axis, in place of the whole: what
     /// holds the ends of the mesh holds the slice. With both on rollers it is in plane strain.

@@ -70,7 +70,7 @@ pub struct History {
     /// A node, facet or element set: the mean over its nodes; it has neither
     /// stress nor state.
     pub set: Option<At<String>>,
-    /// An element by its number in the mesh file; it has stress and state alone.
+    /// An element by its number in the mesh file, or in the refined mesh; it has stress and state alone.
     pub element: Option<At<u64>>,
     /// The element set in which the point lies, which decides the side of a joint or interface.
     pub among: Option<At<String>>,

@@ -159,7 +159,15 @@ pub(super) fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault
         let key = "normal".into();
         return Err(Fault::new(set.span(), Problem::MissingKey { key }));
     }
-    let facets = names.facets(set)?.iter();
+    let facets = names.facets(set)?;
+    if facets.is_empty() {
+        let problem = Problem::Value {
+            found: "a set without facets".into(),
+            expected: "a plane face: was it cut off?".into(),
+        };
+        return Err(Fault::new(set.span(), problem));
+    }
+    let facets = facets.iter();
     let areas = facets.map(|&facet| names.mesh.facet_geometry(facet).vector_area);
     let areas: Vec<Vec3> = areas.collect();
     let mean = areas.iter().sum::<Vec3>();

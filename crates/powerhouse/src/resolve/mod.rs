@@ -4,23 +4,20 @@ mod damping;
 mod ground;
 mod joints;
 mod loads;
+mod mesh;
 mod output;
 mod record;
 mod stages;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 
 use powerhouse_explicit_core::{Leapfrog, OneSided, Precision};
-use powerhouse_model::{Axis, Facet, Mesh, MeshError, ParameterError, Vec3};
+use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
 
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{self, At, Finite, SceneFile};
+use crate::format::{self, At, Finite, Load, SceneFile};
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep};
 use crate::{Error, Material, Part, Registry, Remark, Scene};
-
-/// So often elements may be cut: thrice makes 512 of each.
-const MOST_REFINEMENTS: u32 = 3;
 
 /// Composes the scene of a file.
 pub(crate) fn compose(
@@ -35,7 +32,11 @@ pub(crate) fn compose(
         None => None,
     };
     let records = record::records(text, file)?;
-    let (mesh, joints) = joints::joints(mesh(text, &file.mesh, registry)?, &file.joints, registry)?;
+    let (mesh, joints) = joints::joints(
+        mesh::mesh(text, &file.mesh, registry)?,
+        &file.joints,
+        registry,
+    )?;
     let names = Names { mesh: &mesh };
     check_parts(&names, file)?;
     check_kernels(&names, file, &parts)?;
@@ -145,12 +146,25 @@ pub(crate) fn compose(
 
 /// Sets of supports and loads in which there is nothing, as of a part of a mesh that was cut off.
 fn empty_sets(names: &Names, file: &SceneFile) -> Vec<Remark> {
-    let of_stages = file.stages.iter().flat_map(|stage| &stage.supports);
-    let sets = (file.supports.iter().flat_map(|support| support.sets()))
-        .chain(of_stages.map(|support| support.set()))
-        .chain(file.loads.iter().filter_map(|load| load.set()));
-    let is_empty = |set: &&At<String>| names.nodes(set).is_ok_and(|nodes| nodes.is_empty());
-    let empty: BTreeSet<String> = sets.filter(is_empty).map(|set| set.to_string()).collect();
+    let of_stages = || file.stages.iter();
+    let supports = (file.supports.iter().flat_map(|support| support.sets()))
+        .chain(of_stages().flat_map(|stage| stage.supports.iter().map(|support| support.set())));
+    let loads = file
+        .loads
+        .iter()
+        .chain(of_stages().flat_map(|stage| &stage.loads));
+    let has_no_nodes = |set: &At<String>| names.nodes(set).is_ok_and(|nodes| nodes.is_empty());
+    let is_idle = |load: &&At<Load>| match (&***load, load.set()) {
+        (_, None) => false,
+        (Load::Nodal { .. }, Some(set)) => has_no_nodes(set),
+        (_, Some(set)) => names.facets(set).is_ok_and(|facets| facets.is_empty()),
+    };
+    let of_supports = supports.filter(|set| has_no_nodes(set));
+    let of_loads = loads.filter(is_idle).filter_map(|load| load.set());
+    let empty: BTreeSet<String> = of_supports
+        .chain(of_loads)
+        .map(|set| set.to_string())
+        .collect();
     let remarks = empty.into_iter().map(|set| Remark::EmptySet { set });
     remarks.collect()
 }
@@ -209,63 +223,6 @@ fn parts(
             Ok(part)
         })
         .collect()
-}
-
-fn mesh(text: &SceneText, table: &format::MeshFile, registry: &Registry) -> Result<Mesh, Fault> {
-    let refused =
-        |error: Box<dyn std::error::Error + Send + Sync>| Fault::refused(table.file.span(), error);
-    let path: PathBuf = text.folder().join(&*table.file);
-    let mesh = match &table.generator {
-        Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
-        None => {
-            let read = powerhouse_io::read_gmsh(path);
-            read.map_err(|error| refused(error.into()))?.mesh
-        }
-    };
-    let mesh = match table.scale.get() {
-        1.0 => mesh,
-        scale => mesh
-            .map_positions(|x| x * scale)
-            .map_err(|e| refused(e.into()))?,
-    };
-    let mesh = match &table.within {
-        None => mesh,
-        Some(within) => {
-            let pairs = [within.x, within.y, within.z];
-            let end = |end: usize, otherwise: f64| {
-                let coordinate = |pair: [Finite; 2]| pair[end].get();
-                Vec3::from(pairs.map(|pair| pair.map_or(otherwise, coordinate)))
-            };
-            let (low, high) = (end(0, f64::NEG_INFINITY), end(1, f64::INFINITY));
-            let part = mesh.within(&low, &high);
-            part.map_err(|error| Fault::refused(within.span(), error))?
-        }
-    };
-    let mesh = match &table.refine {
-        None => mesh,
-        Some(times) => {
-            refined(mesh, **times).map_err(|error| Fault::refused(times.span(), error))?
-        }
-    };
-    let Some(slice) = &table.slice else {
-        return Ok(mesh);
-    };
-    let axis = match slice.across {
-        format::SliceAxis::X => Axis::X,
-        format::SliceAxis::Y => Axis::Y,
-        format::SliceAxis::Z => Axis::Z,
-    };
-    let sliced = mesh.plane_slice(axis, slice.at.get());
-    sliced.map_err(|error| Fault::refused(slice.span(), error))
-}
-
-/// A mesh with every element cut so many times.
-fn refined(mut mesh: Mesh, times: u32) -> Result<Mesh, Box<dyn std::error::Error + Send + Sync>> {
-    ParameterError::check("refine", times.into(), 0.0, MOST_REFINEMENTS.into())?;
-    for _ in 0..times {
-        mesh = mesh.refined()?;
-    }
-    Ok(mesh)
 }
 
 /// The elements of a region. The waves enter around it, so that a boundary with an input of its own is

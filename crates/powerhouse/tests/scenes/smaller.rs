@@ -281,8 +281,8 @@ fn a_scene_may_have_less_ground() {
     }
 }
 
-/// A refined mesh is the mesh's own, cut before a layer is taken of it and after the ground is cut off; more
-/// than thrice is refused in place.
+/// A refined mesh is the mesh's own, cut after the ground is cut off and a layer taken; more than thrice is
+/// refused in place, and so is an element by a number that it no longer has.
 #[test]
 fn a_scene_may_have_smaller_elements() {
     let variants = Variants::new("refine");
@@ -302,7 +302,22 @@ fn a_scene_may_have_smaller_elements() {
     let scene = with("refine = 1\nwithin = { x = [60, 1e9] }").unwrap();
     same(&scene, &part.unwrap().refined().unwrap());
     let scene = with("refine = 1\nslice = { across = \"y\", at = 160 }").unwrap();
-    same(&scene, &once.plane_slice(Axis::Y, 160.0).unwrap());
+    let layer = whole.mesh().plane_slice(Axis::Y, 160.0).unwrap();
+    same(&scene, &layer.refined().unwrap());
+    let element = format!("element = {}", whole.mesh().element_tags()[12]);
+    let history = format!("[[output.history]]\nname = \"e\"\n{element}\n[[output.history]]\n");
+    let by_number = |keys: &str| {
+        let file = (file, format!("{file}\n{keys}"));
+        read(
+            &variants,
+            &[(file.0, &file.1), ("[[output.history]]\n", &history)],
+        )
+    };
+    assert!(by_number("").is_ok());
+    let Err(Error::Scene(fault)) = by_number("refine = 1") else {
+        panic!("accepted an element that has become eight")
+    };
+    assert!(fault.render(false).contains(&element));
     for refused in ["refine = 4", "refine = -1", "refine = 0.5"] {
         let Err(Error::Scene(fault)) = with(refused) else {
             panic!("accepted {refused}")

@@ -3,12 +3,12 @@
 use core::fmt;
 
 use powerhouse::Scene;
-use powerhouse::engine::observe::Place;
 use powerhouse::model::{AbsorbingBoundary, ParameterError, Vec3};
 
 use super::setting::scatterers;
 use super::{BoundaryKind, Setting, predicted_error};
 use crate::StudyError;
+use crate::recorded::Recorded;
 
 /// Shares of their distance at which faces are looked at, until one errs too much.
 const SHARES: [f64; 7] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
@@ -103,6 +103,7 @@ pub(crate) struct Room<'a> {
     setting: Setting,
     /// Nodes of what scatters.
     scatterers: Vec<u32>,
+    recorded: Recorded,
 }
 
 impl<'a> Room<'a> {
@@ -113,33 +114,37 @@ impl<'a> Room<'a> {
             scene,
             setting: Setting::of(scene)?,
             scatterers: scatterers(scene)?,
+            recorded: Recorded::of(scene),
         })
     }
 
-    /// The box of the faces at a share of their distances, along the axes where some absorb; none if something
-    /// that scatters, or a point that is recorded, would not lie within.
-    pub(crate) fn at(&self, share: f64) -> Option<Bounds> {
+    /// The same where more nodes are needed.
+    pub(crate) fn with_nodes(mut self, nodes: impl IntoIterator<Item = u32>) -> Self {
+        self.recorded.nodes.extend(nodes);
+        self
+    }
+
+    /// The box of the faces at a share of their distances, along the axes where some absorb, and the elements with
+    /// their centroids in it; none if something that scatters or is recorded would not lie within.
+    pub(crate) fn at(&self, share: f64) -> Option<(Bounds, Vec<u32>)> {
         let within = box_at(self.scene, &self.setting, share);
         let (low, high) = corners(&within);
         let inside =
             |position: &Vec3| (0..3).all(|i| low[i] <= position[i] && position[i] <= high[i]);
-        let plan = self.scene.output_plan();
-        let places = (plan.histories.iter().map(|wish| &wish.place))
-            .chain(plan.relative.iter().flat_map(|wish| [&wish.at, &wish.from]));
-        let mut recorded = places.filter_map(|place| match place {
-            Place::Spot(spot) => Some(spot.position),
-            _ => None,
-        });
-        let positions = self.scene.mesh().positions();
-        let nodes = self.scatterers.iter();
-        let mut structure = nodes.map(|&node| &positions[node as usize]);
-        let holds = structure.all(inside) && recorded.all(|position| inside(&position));
-        holds.then_some(within)
-    }
-
-    /// How many elements have their centroids in a box.
-    pub(crate) fn elements(&self, within: &Bounds) -> usize {
-        elements_in(self.scene, within)
+        let (mesh, recorded) = (self.scene.mesh(), &self.recorded);
+        let scatterers = self.scatterers.iter();
+        let mut structure = scatterers.map(|&node| &mesh.positions()[node as usize]);
+        if !structure.all(inside) || !recorded.points.iter().all(inside) {
+            return None;
+        }
+        let kept = mesh.elements_in_box(&low, &high);
+        let nodes = mesh.nodes_of_elements(&kept);
+        let holds = |all: &[u32], needed: &[u32]| {
+            let mut needed = needed.iter();
+            needed.all(|one| all.binary_search(one).is_ok())
+        };
+        let is_whole = holds(&kept, &recorded.elements) && holds(&nodes, &recorded.nodes);
+        (is_whole && !kept.is_empty()).then_some((within, kept))
     }
 }
 
@@ -164,19 +169,15 @@ fn corners(within: &Bounds) -> (Vec3, Vec3) {
     (end(0, f64::NEG_INFINITY), end(1, f64::INFINITY))
 }
 
-fn elements_in(scene: &Scene, within: &Bounds) -> usize {
-    let (low, high) = corners(within);
-    scene.mesh().elements_in_box(&low, &high).len()
-}
-
 /// How many elements of a scene have their centroids in the box of its faces at a share of their distances.
 pub(crate) fn elements_at(scene: &Scene, setting: &Setting, share: f64) -> usize {
-    elements_in(scene, &box_at(scene, setting, share))
+    let (low, high) = corners(&box_at(scene, setting, share));
+    scene.mesh().elements_in_box(&low, &high).len()
 }
 
 /// How near the absorbing faces of a scene may come to what scatters, all by one share of their distances,
 /// for an error that is predicted as [`advise_boundary`](super::advise_boundary) predicts it, of dashpots or of
-/// springs. What scatters, and the points that are recorded, stay within; the faces of the mesh that is left
+/// springs. What scatters, and what is recorded, stay within; the faces of the mesh that is left
 /// stand within half an element of the box.
 ///
 /// # Errors
@@ -206,7 +207,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
         return Ok(advice);
     }
     for share in SHARES {
-        let Some(within) = room.at(share) else {
+        let Some((within, elements)) = room.at(share) else {
             break;
         };
         // What leaves no room for a prediction is too near.
@@ -220,7 +221,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
             share,
             predicted,
             within,
-            elements: room.elements(&within),
+            elements: elements.len(),
         });
     }
     Ok(advice)

@@ -1,6 +1,5 @@
 //! One run of a trade, and what it came to.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -62,8 +61,23 @@ pub(super) struct Bench<'a> {
     /// Duration of a run (s), and of the scene's own.
     pub(super) window: f64,
     pub(super) duration: f64,
-    /// Bodies that have gone through their stages, by what decides of them.
-    pub(super) bodies: BTreeMap<String, BodyAtRest>,
+    pub(super) bodies: Bodies,
+}
+
+/// Bodies that have gone through their stages, by what decides of them: the first one, that of the reference,
+/// and the last; each is as large as a model.
+#[derive(Default)]
+pub(super) struct Bodies(Vec<(String, BodyAtRest)>);
+
+impl Bodies {
+    fn get(&self, name: &str) -> Option<&BodyAtRest> {
+        let known = self.0.iter().find(|(other, _)| other == name);
+        known.map(|(_, body)| body)
+    }
+    fn keep(&mut self, name: &str, body: BodyAtRest) {
+        self.0.truncate(1);
+        self.0.push((name.to_owned(), body));
+    }
 }
 
 impl Bench<'_> {
@@ -103,7 +117,7 @@ impl Bench<'_> {
                     error => error.into(),
                 })?;
                 if let Some(found) = &found {
-                    self.bodies.insert(body.to_owned(), found.clone());
+                    self.bodies.keep(body, found.clone());
                 }
                 found
             }

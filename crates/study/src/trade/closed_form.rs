@@ -6,6 +6,7 @@ use powerhouse::model::{FieldMotion, Vec3};
 use powerhouse::{Damping, Error, Scene};
 
 use crate::StudyError;
+use crate::recorded::nodes_of;
 
 /// The field's motion at the histories of a scene, at some times (s).
 ///
@@ -32,7 +33,7 @@ pub(super) fn closed_form(scene: &Scene, times: &[f64]) -> Result<Vec<TableColum
     }
     let mut columns = vec![TableColumn::new("time", "s", times.to_vec())];
     for wish in &scene.output_plan().histories {
-        let points = points(scene, &wish.place)?;
+        let points = points(scene, &wish.place);
         let sampler = field.prepare(&points).map_err(Error::from)?;
         let mut motions = vec![FieldMotion::default(); points.len()];
         let mut found = [const { Vec::new() }; 6];
@@ -68,31 +69,13 @@ pub(super) fn closed_form(scene: &Scene, times: &[f64]) -> Result<Vec<TableColum
 }
 
 /// The points whose mean motion a place has.
-fn points(scene: &Scene, place: &Place) -> Result<Vec<Vec3>, StudyError> {
+fn points(scene: &Scene, place: &Place) -> Vec<Vec3> {
     let mesh = scene.mesh();
-    let of = |nodes: &[u32]| {
-        nodes
-            .iter()
-            .map(|&n| mesh.positions()[n as usize])
-            .collect()
-    };
-    Ok(match place {
+    match place {
         Place::Spot(spot) => vec![spot.position],
-        Place::Node(tag) => {
-            let known = mesh.node_tags().iter().position(|other| other == tag);
-            known
-                .map(|node| vec![mesh.positions()[node]])
-                .unwrap_or_default()
+        Place::Node(_) | Place::NodeSet(_) => {
+            let nodes = nodes_of(mesh, place).into_iter();
+            nodes.map(|node| mesh.positions()[node as usize]).collect()
         }
-        Place::NodeSet(name) => {
-            if let Ok(nodes) = mesh.node_set(name) {
-                of(nodes)
-            } else if let Ok(facets) = mesh.facet_set(name) {
-                of(&mesh.nodes_of_facets(facets))
-            } else {
-                let elements = mesh.element_set(name).map_err(Error::from)?;
-                of(&mesh.nodes_of_elements(elements))
-            }
-        }
-    })
+    }
 }

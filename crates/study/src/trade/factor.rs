@@ -1,11 +1,11 @@
 //! What a scene leaves to choose, as changes of its file.
 
+use powerhouse::Scene;
 use powerhouse::engine::StaticOptions;
 use powerhouse::model::ElementKind;
-use powerhouse::{Remark, Scene};
 use toml::{Table, Value};
 
-use crate::advice::{Bounds, Room};
+use crate::advice::Bounds;
 
 /// The kernels of bricks, the one with most points first.
 const FULL: &str = "hex8-full";
@@ -16,11 +16,6 @@ const OF_SPRINGS: [&str; 7] = ["a", "b", "distance", "x", "y", "z", "spreading"]
 const MET: [f64; 2] = [1.0e-10, 1.0e-4];
 /// A spectrum of flat damping cannot be narrower.
 const NARROWEST_BAND: f64 = 1.5;
-
-/// Shares of their distances from what scatters at which absorbing faces are tried; a box that leaves more
-/// than `WORTHWHILE` of the elements of the one before is not.
-const NEARER: [f64; 3] = [0.75, 0.5, 0.35];
-const WORTHWHILE: f64 = 0.85;
 
 /// What a level changes of a scene's file.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,8 +57,16 @@ impl Level {
             place: 0,
         }
     }
-    fn own(name: impl Into<String>) -> Self {
+    pub(super) fn own(name: impl Into<String>) -> Self {
         Self::new(name, Change::Nothing)
+    }
+    /// Less ground, between bounds; waves pass where they would in the whole, each at its reference point (m).
+    pub(super) fn less_ground(
+        name: impl Into<String>,
+        within: Bounds,
+        references: Vec<[f64; 3]>,
+    ) -> Self {
+        Self::new(name, Change::Ground { within, references })
     }
 
     /// Its place among all levels of its factor, by which results are kept.
@@ -154,6 +157,14 @@ pub struct Factor {
 }
 
 impl Factor {
+    pub(super) fn new(name: &'static str, levels: impl Into<Vec<Level>>, own: usize) -> Self {
+        let mut levels = levels.into();
+        for (place, level) in levels.iter_mut().enumerate() {
+            level.place = place;
+        }
+        Self { name, levels, own }
+    }
+
     /// The factor with nothing left to choose: what the scene has.
     pub(super) fn fixed(self) -> Self {
         let own = self.levels.into_iter().nth(self.own);
@@ -171,20 +182,13 @@ pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
         kernel(scene),
         step(file),
         boundary(file),
-        ground(scene),
         input(scene, file),
         damping(file),
         precision(file),
         statics(file),
         output(scene, file),
     ];
-    let mut found: Vec<Factor> = found.into_iter().flatten().collect();
-    for factor in &mut found {
-        for (place, level) in factor.levels.iter_mut().enumerate() {
-            level.place = place;
-        }
-    }
-    found
+    found.into_iter().flatten().collect()
 }
 
 /// The kernels that bricks may have, if there are bricks.
@@ -217,11 +221,7 @@ fn kernel(scene: &Scene) -> Option<Factor> {
         1
     });
     levels[place].change = Change::Nothing;
-    Some(Factor {
-        name: "kernel",
-        levels,
-        own: place,
-    })
+    Some(Factor::new("kernel", levels, place))
 }
 
 /// The scene's share of the stable step, and half of it; nothing if the step is given in seconds.
@@ -235,14 +235,14 @@ fn step(file: &Table) -> Option<Factor> {
     }
     let own = time.get("safety").and_then(number).unwrap_or(1.0);
     let finer = Change::Set(Some("time"), "safety", Value::Float(0.5 * own));
-    Some(Factor {
-        name: "step",
-        levels: vec![
+    Some(Factor::new(
+        "step",
+        [
             Level::new(format!("{} of the stable", 0.5 * own), finer),
             Level::own(format!("{own} of the stable")),
         ],
-        own: 1,
-    })
+        1,
+    ))
 }
 
 /// Springs and dashpots, or dashpots alone.
@@ -251,50 +251,14 @@ fn boundary(file: &Table) -> Option<Factor> {
     if boundary.get("kind")?.as_str()? != "viscous-spring" {
         return None;
     }
-    Some(Factor {
-        name: "boundary",
-        levels: vec![
+    Some(Factor::new(
+        "boundary",
+        [
             Level::own("viscous-spring"),
             Level::new("viscous", Change::Dashpots),
         ],
-        own: 0,
-    })
-}
-
-/// The ground as far as it goes, and less of it, as long as what scatters and what is recorded stay in it.
-fn ground(scene: &Scene) -> Option<Factor> {
-    // How long such waves take to set in depends on the box.
-    let sets_in = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
-    if scene.remarks().iter().any(sets_in) {
-        return None;
-    }
-    let room = Room::of(scene).ok()?;
-    let waves = scene.incident_waves().iter();
-    let references: Vec<[f64; 3]> = waves
-        .map(|wave| wave.parameters().reference.into())
-        .collect();
-    let mut levels = vec![Level::own("as it stands")];
-    let mut least = scene.mesh().element_count();
-    for share in NEARER {
-        let Some(within) = room.at(share) else {
-            break;
-        };
-        let elements = room.elements(&within);
-        if elements as f64 > WORTHWHILE * least as f64 {
-            continue;
-        }
-        least = elements;
-        let references = references.clone();
-        levels.push(Level::new(
-            format!("faces at {share} of their distance"),
-            Change::Ground { within, references },
-        ));
-    }
-    (levels.len() > 1).then_some(Factor {
-        name: "ground",
-        levels,
-        own: 0,
-    })
+        0,
+    ))
 }
 
 /// The full field on every face, or the incident wave alone at the bottom.
@@ -312,14 +276,14 @@ fn input(scene: &Scene, file: &Table) -> Option<Factor> {
     let mut incident = Table::new();
     incident.insert("incident-only".into(), vec!["bottom"].into());
     let incident = Change::Set(Some("boundary"), "input", incident.into());
-    Some(Factor {
-        name: "input",
-        levels: vec![
+    Some(Factor::new(
+        "input",
+        [
             Level::own("full field"),
             Level::new("incident wave at the bottom", incident),
         ],
-        own: 0,
-    })
+        0,
+    ))
 }
 
 /// Rayleigh damping, flat damping over the same band, or none.
@@ -335,15 +299,15 @@ fn damping(file: &Table) -> Option<Factor> {
     if bands.is_empty() || !wide {
         return None;
     }
-    Some(Factor {
-        name: "damping",
-        levels: vec![
+    Some(Factor::new(
+        "damping",
+        [
             Level::own("rayleigh"),
             Level::new("flat", Change::Damping { flat: true }),
             Level::new("none", Change::Damping { flat: false }),
         ],
-        own: 0,
-    })
+        0,
+    ))
 }
 
 fn precision(file: &Table) -> Option<Factor> {
@@ -352,11 +316,7 @@ fn precision(file: &Table) -> Option<Factor> {
     let own = FORMATS.iter().position(|format| *format == own)?;
     let level =
         |format: &'static str| Level::new(format, Change::Set(None, "precision", format.into()));
-    Some(Factor {
-        name: "precision",
-        levels: FORMATS.map(level).into(),
-        own,
-    })
+    Some(Factor::new("precision", FORMATS.map(level), own))
 }
 
 /// The tolerances of the stages, a hundredth of them, and a hundred times as much, as far as statics can
@@ -364,15 +324,15 @@ fn precision(file: &Table) -> Option<Factor> {
 fn statics(file: &Table) -> Option<Factor> {
     file.get("stage")?.as_array()?;
     let level = |name: &str, factor| Level::new(name, Change::Tolerance(factor, MET));
-    Some(Factor {
-        name: "statics",
-        levels: vec![
+    Some(Factor::new(
+        "statics",
+        [
             level("a hundredth", 0.01),
             Level::own("as given"),
             level("a hundred times", 100.0),
         ],
-        own: 1,
-    })
+        1,
+    ))
 }
 
 /// The time between samples, and two and four times that.
@@ -386,17 +346,41 @@ fn output(scene: &Scene, file: &Table) -> Option<Factor> {
     };
     let mut levels: Vec<Level> = [1.0, 2.0, 4.0].map(level).into();
     levels[0].change = Change::Nothing;
-    Some(Factor {
-        name: "output",
-        levels,
-        own: 0,
-    })
+    Some(Factor::new("output", levels, 0))
 }
 
 /// The tables of an array of them.
 fn tables<'a>(file: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
     let array = file.get_mut(key).and_then(Value::as_array_mut);
     array.into_iter().flatten().filter_map(Value::as_table_mut)
+}
+
+/// Tables of loads of the scene and of its stages.
+fn loads(file: &Table) -> impl Iterator<Item = &Value> {
+    let of_stages = listed(file, "stage").filter_map(|stage| stage.get("load")?.as_array());
+    listed(file, "load").chain(of_stages.flatten())
+}
+
+fn listed<'a>(file: &'a Table, key: &str) -> impl Iterator<Item = &'a Value> {
+    let array = file.get(key).and_then(Value::as_array);
+    array.into_iter().flatten()
+}
+
+fn word<'a>(table: &'a Value, key: &str) -> Option<&'a str> {
+    table.get(key)?.as_str()
+}
+
+/// Sets that are loaded or moved.
+pub(super) fn sets_acted_on(file: &Table) -> Vec<&str> {
+    let moved = listed(file, "support").filter(|table| word(table, "kind") == Some("prescribed"));
+    let sets = loads(file).chain(moved);
+    sets.filter_map(|table| word(table, "set")).collect()
+}
+
+/// Sets of forces at nodes.
+pub(super) fn nodal_loads(file: &Table) -> Vec<&str> {
+    let nodal = loads(file).filter(|table| word(table, "kind") == Some("nodal"));
+    nodal.filter_map(|table| word(table, "set")).collect()
 }
 
 /// Ratio and frequencies (Hz) of the Rayleigh damping of a part.
@@ -422,10 +406,9 @@ fn number(value: &Value) -> Option<f64> {
 /// Factors of so many levels each, which change nothing.
 #[cfg(test)]
 pub(super) fn test_factors(levels: &[usize]) -> Vec<Factor> {
-    let factor = |&count: &usize| Factor {
-        name: "factor",
-        levels: (0..count).map(|i| Level::own(i.to_string())).collect(),
-        own: 0,
+    let factor = |&count: &usize| {
+        let levels = (0..count).map(|i| Level::own(i.to_string()));
+        Factor::new("factor", levels.collect::<Vec<Level>>(), 0)
     };
     levels.iter().map(factor).collect()
 }

@@ -4,6 +4,11 @@ use powerhouse::io::TableColumn;
 
 /// Histories below this share of the largest of their unit are measured against that share of it.
 const LEAST_SHARE: f64 = 1e-3;
+/// What laws remember without a unit, strains and damage, counts against this at least.
+const LEAST_STATE: f64 = 1e-6;
+
+/// The unit of what has none.
+const WITHOUT_UNIT: &str = "1";
 
 /// How far histories are from their reference.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +20,7 @@ pub(super) struct Misfit {
 }
 
 /// The relative L2 differences of all histories from their reference; the components of one motion or one
-/// variable at one place count together. The first column of both tables is time; what the reference lacks is passed
+/// variable at one place count together. Of a unit of which the reference has nothing but zero there is no relative error. The first column of both tables is time; what the reference lacks is passed
 /// over.
 pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit {
     let mut groups: Vec<Group> = Vec::new();
@@ -38,6 +43,10 @@ pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit
         for (instant, value) in time.values.iter().zip(&column.values) {
             if let Some(at) = interpolate(&other.values, &same.values, *instant) {
                 groups[place].difference += (at - value).powi(2);
+                groups[place].least += match column.unit.as_str() {
+                    WITHOUT_UNIT => LEAST_STATE.powi(2),
+                    _ => 0.0,
+                };
                 groups[place].size += value.powi(2);
             }
         }
@@ -50,10 +59,11 @@ pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit
         let of_kind = groups.iter().filter(|other| other.kind == group.kind);
         let largest = of_kind.fold(0.0, |most, other| other.size.max(most));
         let size = group.size.max(LEAST_SHARE.powi(2) * largest);
-        let error = match group.difference {
-            0.0 => 0.0,
-            difference => (difference / size).sqrt(),
-        };
+        let size = size.max(group.least);
+        if size == 0.0 {
+            continue;
+        }
+        let error = (group.difference / size).sqrt();
         if error >= worst.error || error.is_nan() {
             worst = Misfit {
                 error,
@@ -71,13 +81,15 @@ struct Group {
     kind: String,
     difference: f64,
     size: f64,
+    /// What the size is taken for at least.
+    least: f64,
 }
 
 impl Group {
     fn of(column: &TableColumn) -> Self {
         let (stem, variable) = column.name.rsplit_once('.').unwrap_or(("", &column.name));
         let kind = match column.unit.as_str() {
-            "1" => match variable.rsplit_once('_') {
+            WITHOUT_UNIT => match variable.rsplit_once('_') {
                 Some((variable, "xx" | "yy" | "zz" | "xy" | "yz" | "zx")) => variable,
                 _ => variable,
             },
@@ -88,6 +100,7 @@ impl Group {
             kind: kind.into(),
             difference: 0.0,
             size: 0.0,
+            least: 0.0,
         }
     }
 }
@@ -149,5 +162,15 @@ mod tests {
         let found = misfit(&table(1.0), &table(1.5));
         assert!((found.error - 0.4).abs() < 1e-12, "{found:?}");
         assert_eq!(found.name, "e [strain]");
+        // One that the reference never has counts against a millionth, one of a unit against nothing.
+        let with = |crushed: f64, pulled: f64| {
+            let mut table = table(1.0);
+            let values = |value: f64| vec![value, value];
+            table.push(TableColumn::new("e.crushed", "1", values(crushed)));
+            table.push(TableColumn::new("e.xx", "Pa", values(pulled)));
+            table
+        };
+        let found = misfit(&with(0.0, 0.0), &with(2e-8, 3.0));
+        assert!((found.error - 0.02).abs() < 1e-12, "{found:?}");
     }
 }

@@ -19,24 +19,25 @@
 //! # Why so
 //! *The mesh stays*, its elements cut in half once if that is asked for. What is compared is everything
 //! else on the same mesh, and less of it; all of that on smaller elements would take sixteen times as long.
-//! One more run tells what the mesh itself costs in accuracy: of a scheme of second order elements half the
-//! size leave a quarter of the error, so that it is four thirds of the difference. Where strength and cracks
-//! decide, the order is lower and the error greater.
+//! One more run tells what the mesh itself costs in accuracy: motions are of second order, elements half the
+//! size leave a quarter of their error, so that it is four thirds of the difference. Stresses are means of
+//! elements, half of whose difference from the stress at a point is left; they count if no motion does. Where
+//! strength and cracks decide, the order is lower and the error greater; a rim of no width gets thinner.
 //!
-//! *One factor at a time, then few combinations.* Seven factors have hundreds of combinations. Their
+//! *One factor at a time, then few combinations.* Nine factors have thousands of combinations. Their
 //! errors come from different sources and hardly know of each other, so that single changes predict
 //! combinations well enough to choose the next run; what is written is always one that was run.
 
 mod case;
 mod closed_form;
 mod factor;
+mod ground;
 mod misfit;
 mod plan;
 mod quantity;
 mod report;
 mod written;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -49,15 +50,16 @@ use toml::{Table, Value};
 
 use crate::mark::{Mark, inputs};
 use crate::price::price_front;
+use crate::recorded::nodes_of_set;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
-use case::{Bench, Finished};
+use case::{Bench, Bodies, Finished};
 pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
 use plan::{Design, Outlook};
 use quantity::Compared;
 pub use quantity::Quantity;
-pub use report::{Goal, Reference, Silent, TradeCase, TradeReport, TradeWatch};
+pub use report::{Goal, MeshError, Reference, Silent, TradeCase, TradeReport, TradeWatch};
 
 /// Share of a record's intensity that a window holds, and what is added of the duration for the waves
 /// to cross the body.
@@ -67,6 +69,8 @@ const SHARE_ADDED: f64 = 0.1;
 const OF_HALF_THE_SIZE: (u32, u32) = (8, 2);
 /// Error of a mesh over the difference from one of half the size, of second order.
 const SECOND_ORDER: f64 = 4.0 / 3.0;
+/// The same of first order.
+const FIRST_ORDER: f64 = 2.0;
 /// The name of that run and of its folder.
 const REFINED: (&str, &str) = ("reference on elements half the size", "refined");
 /// Combinations that are run at most beyond single changes.
@@ -107,9 +111,17 @@ impl Trade {
             source: Box::new(source),
         })?;
         let own = scene.result_folder().path().join("trade");
+        let mut factors = factor::factors(&scene, &file);
+        let ground = ground::ground(&scene, (&file, path), &registry);
+        let after = ["kernel", "step", "boundary"];
+        let place = factors
+            .iter()
+            .take_while(|factor| after.contains(&factor.name));
+        let place = place.count();
+        factors.splice(place..place, ground);
         Ok(Self {
             inputs: inputs(path, &text)?,
-            factors: factor::factors(&scene, &file),
+            factors,
             title: scene.title().to_owned(),
             folder: folder.unwrap_or(own),
             duration: scene.run_duration(),
@@ -145,7 +157,7 @@ impl Trade {
         if quantities.is_empty() {
             return Err(StudyError::NoHistories);
         }
-        let recorded = &self.compared.quantities;
+        let recorded = &self.compared.recorded;
         if let Some(missing) = quantities.iter().find(|asked| !recorded.contains(asked)) {
             let quantity = missing.name();
             return Err(StudyError::NotRecorded { quantity });
@@ -215,8 +227,16 @@ impl Trade {
         let alone = plan::alone(&self.factors);
         if self.reference == Reference::ClosedForm {
             // Whether there is one shows before anything runs.
-            closed_form::closed_form(&self.scene(&alone[0])?, &[])?;
+            let known = closed_form::closed_form(&self.scene(&alone[0])?, &[])?;
+            if self.compared.among(known).len() < 2 {
+                let reason = "only displacements and velocities have one";
+                return Err(StudyError::NoClosedForm { reason });
+            }
         }
+        let refined = match self.mesh_error {
+            true => Some(self.refined_text()?),
+            false => None,
+        };
         let most = match self.exhaustive {
             true => plan::all(&self.factors).len(),
             false => alone.len() + MOST_COMBINATIONS,
@@ -226,14 +246,15 @@ impl Trade {
             stop,
             window: self.window,
             duration: self.duration,
-            bodies: BTreeMap::new(),
+            bodies: Bodies::default(),
         };
         let mut cases: Vec<TradeCase> = Vec::new();
         let mut known: Vec<(Design, Outlook)> = Vec::new();
         let (mut failed, mut failures) = (Vec::new(), Vec::new());
         let mut reference: Option<Vec<TableColumn>> = None;
         let mut pending = alone.into_iter();
-        let (mut combinations, mut of_reference) = (0, 0.0);
+        let (mut combinations, mut of_reference) = (0, None);
+        let mut rest = None;
         loop {
             let design = match pending.next() {
                 Some(design) => design,
@@ -242,10 +263,13 @@ impl Trade {
                         of_reference = self.error_of_reference(&cases);
                     }
                     combinations += 1;
-                    let next = match self.exhaustive {
-                        true => plan::unknown(&self.factors, &known, &failed).next(),
-                        false => plan::next(&self.factors, (&known, &failed), (goal, of_reference))
-                            .filter(|_| combinations <= MOST_COMBINATIONS),
+                    let next = if self.exhaustive {
+                        rest.get_or_insert_with(|| self.rest(&known, &failed))
+                            .next()
+                    } else {
+                        let goal = (goal, of_reference.unwrap_or(0.0));
+                        plan::next(&self.factors, (&known, &failed), goal)
+                            .filter(|_| combinations <= MOST_COMBINATIONS)
                     };
                     match next {
                         Some(design) => design,
@@ -282,21 +306,7 @@ impl Trade {
             known.push((design, Outlook { error, cost }));
             cases.push(case);
         }
-        let chosen = plan::best(&known, (goal, of_reference));
-        let place = cases.len() + failed.len() + 1;
-        let refined = match self.mesh_error {
-            true => self.refined(&mut bench, watch, place),
-            false => Ok(None),
-        };
-        let refined = refined.or_else(|error| match error {
-            // Half the size may be too small for a law, or for memory; what was found stays.
-            StudyError::Scene(_) => {
-                watch.fails(REFINED.0, &error);
-                failures.push((REFINED.0.into(), error.to_string()));
-                Ok(None)
-            }
-            error => Err(error),
-        })?;
+        let chosen = plan::best(&known, (goal, of_reference.unwrap_or(0.0)));
         let mut report = TradeReport {
             title: self.title.clone(),
             factors: self.factors.clone(),
@@ -304,13 +314,40 @@ impl Trade {
             cases,
             failed: failures,
             reference_error: of_reference,
-            refined,
+            mesh: None,
             chosen,
             files: Vec::new(),
         };
         report.front = price_front(&report.prices());
         self.write(&mut report)?;
+        if let Some(text) = refined {
+            watch.begins(REFINED.0, report.cases.len() + report.failed.len() + 1);
+            match self.error_of_mesh(&text, &mut bench, watch) {
+                Ok(mesh) => report.mesh = Some(mesh),
+                // Half the size may be too small for a law.
+                Err(error @ StudyError::Scene(_)) => {
+                    watch.fails(REFINED.0, &error);
+                    report.failed.push((REFINED.0.into(), error.to_string()));
+                }
+                Err(error) => return Err(error),
+            }
+            self.write(&mut report)?;
+        }
         Ok(report)
+    }
+
+    /// What is left of all combinations, those one after the other that share a body: without levels that
+    /// failed alone.
+    fn rest(&self, known: &[(Design, Outlook)], failed: &[Design]) -> std::vec::IntoIter<Design> {
+        let has = |design: &Design, failing: &Design| {
+            let mut levels = design.iter().zip(failing);
+            levels.all(|(level, failing)| *failing == 0 || failing == level)
+        };
+        let mut rest: Vec<Design> = plan::unknown(&self.factors, known, failed)
+            .filter(|design| !failed.iter().any(|failing| has(design, failing)))
+            .collect();
+        rest.sort_by_cached_key(|design| self.body_of(design));
+        rest.into_iter()
     }
 
     /// Says what the runs will cost: none takes longer than the finest.
@@ -378,21 +415,26 @@ impl Trade {
         watch: &mut dyn TradeWatch,
         name: &str,
     ) -> Result<Finished, StudyError> {
+        let folder = self.places(design, |_| true);
+        let body = self.body_of(design);
+        let text = self.text_of(design)?;
+        self.finish_file(&text, (&folder, &body), bench, (watch, name))
+    }
+
+    /// The places of a design's levels among all that the scene allows, of some factors.
+    fn places(&self, design: &Design, counts: impl Fn(&Factor) -> bool) -> String {
         let chosen = self.factors.iter().zip(design);
+        let chosen = chosen.filter(|(factor, _)| counts(factor));
         let places = chosen.map(|(factor, &level)| factor.levels[level].place().to_string());
-        let levels: Vec<String> = places.collect();
-        // Stages know of elements and their numbers, not of steps and waves.
-        let of_body = self.factors.iter().zip(&levels);
-        let of_body =
-            of_body.filter(|(factor, _)| !["step", "input", "output"].contains(&factor.name));
-        let body: Vec<&str> = of_body.map(|(_, level)| level.as_str()).collect();
-        let folder = levels.join("-");
-        self.finish_file(
-            &self.text_of(design)?,
-            (&folder, &body.join("-")),
-            bench,
-            (watch, name),
-        )
+        places.collect::<Vec<String>>().join("-")
+    }
+
+    /// What decides of a design's body at rest: stages know of elements and their numbers, not of steps and
+    /// waves.
+    fn body_of(&self, design: &Design) -> String {
+        self.places(design, |factor| {
+            !["step", "input", "output"].contains(&factor.name)
+        })
     }
 
     /// What a scene's file came to, from a folder of its own; its body at rest is known by a name.
@@ -416,35 +458,57 @@ impl Trade {
         Ok(bench.kept(&folder, &mark)?.unwrap_or(finished))
     }
 
-    /// The reference on elements half the size, and what its own mesh costs it in accuracy.
-    fn refined(
-        &self,
-        bench: &mut Bench,
-        watch: &mut dyn TradeWatch,
-        place: usize,
-    ) -> Result<Option<TradeCase>, StudyError> {
-        let (name, folder) = REFINED;
+    /// The file of the reference on elements half the size.
+    ///
+    /// # Errors
+    /// One that cannot be read: it names elements by their numbers, or is cut too often;
+    /// [`StudyError::MoreLoad`].
+    fn refined_text(&self) -> Result<String, StudyError> {
         let design = vec![0; self.factors.len()];
-        let coarse = self.finish(&design, bench, &mut Silent, name)?;
         let mut file = self.file_of(&design);
         if let Some(Value::Table(mesh)) = file.get_mut("mesh") {
             let own = mesh.get("refine").and_then(Value::as_integer);
             mesh.insert("refine".into(), (own.unwrap_or(0) + 1).into());
         }
         let text = self.written(&file)?;
-        watch.begins(name, place);
-        let fine = self.finish_file(&text, (folder, folder), bench, (watch, name))?;
-        let truth = self.compared.among(fine.histories);
-        let misfit = misfit::misfit(&truth, &coarse.histories);
-        let case = TradeCase {
-            name: name.into(),
-            levels: design,
-            cost: fine.cost,
-            error: SECOND_ORDER * misfit.error,
-            worst: misfit.name,
+        let fine = Scene::from_toml(text.as_str(), &self.path, &self.registry)?;
+        let coarse = self.scene(&design)?;
+        for set in factor::nodal_loads(&file) {
+            let count = |scene: &Scene| nodes_of_set(scene.mesh(), set).len();
+            let (nodes, more) = (count(&coarse), count(&fine));
+            if nodes != more {
+                let set = set.to_owned();
+                return Err(StudyError::MoreLoad { set, nodes, more });
+            }
+        }
+        Ok(text)
+    }
+
+    /// What the scene's mesh errs by, from the file of the reference on smaller elements.
+    fn error_of_mesh(
+        &self,
+        text: &str,
+        bench: &mut Bench,
+        watch: &mut dyn TradeWatch,
+    ) -> Result<MeshError, StudyError> {
+        let (name, folder) = REFINED;
+        let design = vec![0; self.factors.len()];
+        let coarse = self.finish(&design, bench, &mut Silent, name)?;
+        let fine = self.finish_file(text, (folder, folder), bench, (watch, name))?;
+        let compared = self.compared.among(fine.histories);
+        let motions = Compared::motions(&compared);
+        let (truth, order) = match motions.len() {
+            0 | 1 => (compared, FIRST_ORDER),
+            _ => (motions, SECOND_ORDER),
         };
-        watch.ends(&case);
-        Ok(Some(case))
+        let misfit = misfit::misfit(&truth, &coarse.histories);
+        let mesh = MeshError {
+            error: order * misfit.error,
+            worst: misfit.name,
+            cost: fine.cost,
+        };
+        watch.tells_mesh(&mesh);
+        Ok(mesh)
     }
 
     /// The histories that others are compared with.
@@ -458,6 +522,9 @@ impl Trade {
             }
         };
         let compared = self.compared.among(columns);
+        if compared.len() < 2 {
+            return Err(StudyError::NoHistories);
+        }
         let mut values = compared.iter().skip(1).flat_map(|column| &column.values);
         if values.all(|value| *value == 0.0) {
             let window = self.window;
@@ -467,19 +534,20 @@ impl Trade {
     }
 
     /// The error of the finest run, on its mesh: schemes are of second order, so that a step twice as
-    /// long differs by three times what is left.
-    fn error_of_reference(&self, cases: &[TradeCase]) -> f64 {
+    /// long differs by three times what is left; none if there was no such step.
+    fn error_of_reference(&self, cases: &[TradeCase]) -> Option<f64> {
         if self.reference == Reference::ClosedForm {
-            return 0.0;
+            return Some(0.0);
         }
-        let Some(place) = self.factors.iter().position(|factor| factor.name == "step") else {
-            return 0.0;
-        };
+        let place = self
+            .factors
+            .iter()
+            .position(|factor| factor.name == "step")?;
         let coarser = cases.iter().find(|case| {
             let others = case.levels.iter().enumerate().filter(|(i, _)| *i != place);
             case.levels[place] == 1 && others.into_iter().all(|(_, level)| *level == 0)
         });
-        coarser.map_or(0.0, |case| case.error / 3.0)
+        Some(coarser?.error / 3.0)
     }
 }
 

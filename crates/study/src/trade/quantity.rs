@@ -34,6 +34,15 @@ impl Quantity {
         Self::State,
     ];
 
+    /// Its name in commands.
+    #[must_use]
+    pub fn keyword(self) -> &'static str {
+        match self {
+            Self::Relative => "relative",
+            other => other.name(),
+        }
+    }
+
     /// Its name in messages.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -63,6 +72,9 @@ impl Quantity {
 
 /// The columns of a scene's histories that are compared.
 pub(super) struct Compared {
+    /// What the scene records.
+    pub(super) recorded: Vec<Quantity>,
+    /// What of it counts.
     pub(super) quantities: Vec<Quantity>,
     /// Names of histories of relative displacements.
     relative: BTreeSet<String>,
@@ -80,10 +92,12 @@ impl Compared {
             .flat_map(|part| part.material.history());
         let flags = variables.filter(|variable| variable.kind == HistoryKind::Flags);
         let recorded = Quantity::ALL.into_iter();
+        let recorded: Vec<Quantity> = recorded
+            .filter(|quantity| quantity.is_recorded(plan))
+            .collect();
         Self {
-            quantities: recorded
-                .filter(|quantity| quantity.is_recorded(plan))
-                .collect(),
+            quantities: recorded.clone(),
+            recorded,
             relative: plan.relative.iter().map(|wish| wish.name.clone()).collect(),
             flags: flags.map(|variable| variable.name).collect(),
         }
@@ -97,6 +111,17 @@ impl Compared {
             place == 1 || self.counts(column)
         });
         columns
+    }
+
+    /// Time and those of some columns that are motions.
+    pub(super) fn motions(columns: &[TableColumn]) -> Vec<TableColumn> {
+        let (time, rest) = columns.split_at(columns.len().min(1));
+        let is_motion =
+            |column: &&TableColumn| ["m", "m/s", "m/s2"].contains(&column.unit.as_str());
+        time.iter()
+            .chain(rest.iter().filter(is_motion))
+            .cloned()
+            .collect()
     }
 
     fn counts(&self, column: &TableColumn) -> bool {
@@ -134,6 +159,7 @@ mod tests {
         };
         let names = |quantities: &[Quantity]| {
             let compared = Compared {
+                recorded: Quantity::ALL.into(),
                 quantities: quantities.to_vec(),
                 relative: ["A-B".to_owned()].into(),
                 flags: ["yield_state"].into(),

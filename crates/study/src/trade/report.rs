@@ -23,7 +23,7 @@ pub enum Goal {
 /// What errors are measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reference {
-    /// The run in which every factor is at its most accurate level.
+    /// The run in which every factor that is left to choose is at its most accurate level.
     #[default]
     Finest,
     /// The field that comes in, for ground without a structure.
@@ -47,6 +47,8 @@ pub trait TradeWatch {
     fn fails(&mut self, _name: &str, _error: &StudyError) {}
     /// It is finished.
     fn ends(&mut self, _case: &TradeCase) {}
+    /// The run on smaller elements is finished.
+    fn tells_mesh(&mut self, _mesh: &MeshError) {}
 }
 
 /// Hears nothing.
@@ -80,6 +82,17 @@ impl TradeCase {
     }
 }
 
+/// What a mesh errs by, as a run of the reference on elements half the size tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshError {
+    /// The relative error of the scene's mesh, about.
+    pub error: f64,
+    /// The history that has it.
+    pub worst: String,
+    /// What the run on smaller elements costs.
+    pub cost: CaseCost,
+}
+
 /// What a trade found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TradeReport {
@@ -91,11 +104,10 @@ pub struct TradeReport {
     pub cases: Vec<TradeCase>,
     /// Levels with which a run was refused or failed, and why.
     pub failed: Vec<(String, String)>,
-    /// The estimated error of the reference itself, that of the mesh aside.
-    pub reference_error: f64,
-    /// The reference on elements half the size, if that was [asked for](Trade::with_mesh_error): what it
-    /// costs, and as its error that of the scene's own mesh.
-    pub refined: Option<TradeCase>,
+    /// The estimated error of the reference itself, that of the mesh aside; none if no other step was run.
+    pub reference_error: Option<f64>,
+    /// The error of the mesh, if that was [asked for](super::Trade::with_mesh_error).
+    pub mesh: Option<MeshError>,
     /// The places of the runs that no other betters in cost and error, the cheapest first.
     pub front: Vec<usize>,
     /// The place of the run that meets the goal, if one does.

@@ -17,16 +17,18 @@ impl Trade {
         if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
             let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
             let file = self.path.with_file_name(format!("{stem}_trade.toml"));
-            let of_mesh = report.refined.as_ref();
-            let of_mesh = of_mesh.map(|case| format!(", its mesh by about {:.1e}", case.error));
+            let of_reference = report.reference_error;
+            let of_reference = of_reference.map(|error| format!(", the reference by {error:.1e}"));
+            let of_mesh = report.mesh.as_ref();
+            let of_mesh = of_mesh.map(|mesh| format!(", the mesh by about {:.1e}", mesh.error));
             let text = format!(
-                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}), the reference by {:.2e}{}; the whole run takes {:.0} s.\n\n{}",
+                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}){}{}; the whole run takes {:.0} s.\n\n{}",
                 self.path.file_name().unwrap_or_default().to_string_lossy(),
                 case.name,
                 self.window,
                 case.error,
                 case.worst,
-                report.reference_error,
+                of_reference.unwrap_or_default(),
                 of_mesh.unwrap_or_default(),
                 case.cost.wall_time(),
                 self.text_of(&case.levels)?
@@ -37,7 +39,7 @@ impl Trade {
         let mut text = String::from(
             "levels,error [1],wall time [s],step [s],time of a step [s],memory [bytes],on the front\n",
         );
-        for (place, case) in report.cases.iter().chain(&report.refined).enumerate() {
+        for (place, case) in report.cases.iter().enumerate() {
             let cost = &case.cost;
             text += &format!(
                 "\"{}\",{:e},{:e},{:e},{:e},{},{}\n",
@@ -53,7 +55,7 @@ impl Trade {
         let (table, picture) = (self.folder.join(TABLE), self.folder.join(PICTURE));
         write_text(&table, &text)?;
         let cost = ("wall time of the whole run", "s");
-        let uncertainty = report.reference_error;
+        let uncertainty = report.reference_error.unwrap_or(0.0);
         draw_prices(&picture, &report.title, cost, &report.prices(), uncertainty)?;
         files.extend([table, picture]);
         report.files = files;

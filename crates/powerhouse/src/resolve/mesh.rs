@@ -1,0 +1,77 @@
+//! The mesh of a scene: from a file or a generator, or a part of it, in smaller elements.
+
+use std::path::PathBuf;
+
+use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
+
+use crate::Registry;
+use crate::fault::{Fault, SceneText};
+use crate::format::{self, At, Finite};
+
+type AnyError = Box<dyn std::error::Error + Send + Sync>;
+
+/// So often elements may be cut: thrice makes 512 of each.
+const MOST_REFINEMENTS: u32 = 3;
+
+pub(super) fn mesh(
+    text: &SceneText,
+    table: &format::MeshFile,
+    registry: &Registry,
+) -> Result<Mesh, Fault> {
+    let refused = |error: AnyError| Fault::refused(table.file.span(), error);
+    let path: PathBuf = text.folder().join(&*table.file);
+    let mesh = match &table.generator {
+        Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
+        None => {
+            let read = powerhouse_io::read_gmsh(path);
+            read.map_err(|error| refused(error.into()))?.mesh
+        }
+    };
+    let mesh = match table.scale.get() {
+        1.0 => mesh,
+        scale => mesh
+            .map_positions(|x| x * scale)
+            .map_err(|e| refused(e.into()))?,
+    };
+    let mesh = match &table.within {
+        None => mesh,
+        Some(within) => {
+            let pairs = [within.x, within.y, within.z];
+            let end = |end: usize, otherwise: f64| {
+                let coordinate = |pair: [Finite; 2]| pair[end].get();
+                Vec3::from(pairs.map(|pair| pair.map_or(otherwise, coordinate)))
+            };
+            let (low, high) = (end(0, f64::NEG_INFINITY), end(1, f64::INFINITY));
+            let part = mesh.within(&low, &high);
+            part.map_err(|error| Fault::refused(within.span(), error))?
+        }
+    };
+    let mesh = match &table.slice {
+        None => mesh,
+        Some(slice) => sliced(&mesh, slice)?,
+    };
+    match &table.refine {
+        None => Ok(mesh),
+        Some(times) => refined(mesh, **times).map_err(|error| Fault::refused(times.span(), error)),
+    }
+}
+
+/// One layer of a mesh.
+fn sliced(mesh: &Mesh, slice: &At<format::Slice>) -> Result<Mesh, Fault> {
+    let axis = match slice.across {
+        format::SliceAxis::X => Axis::X,
+        format::SliceAxis::Y => Axis::Y,
+        format::SliceAxis::Z => Axis::Z,
+    };
+    let sliced = mesh.plane_slice(axis, slice.at.get());
+    sliced.map_err(|error| Fault::refused(slice.span(), error))
+}
+
+/// A mesh with every element cut so many times.
+fn refined(mut mesh: Mesh, times: u32) -> Result<Mesh, AnyError> {
+    ParameterError::check("refine", times.into(), 0.0, MOST_REFINEMENTS.into())?;
+    for _ in 0..times {
+        mesh = mesh.refined()?;
+    }
+    Ok(mesh)
+}

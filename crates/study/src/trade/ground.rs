@@ -1,0 +1,82 @@
+//! Less ground as something that a scene leaves to choose.
+
+use std::path::Path;
+
+use powerhouse::{Registry, Remark, Scene};
+use toml::Table;
+
+use super::factor::{Factor, Level, sets_acted_on};
+use crate::advice::Room;
+use crate::recorded::nodes_of_set;
+
+/// Shares of their distances from what scatters at which absorbing faces are tried; a box that leaves more
+/// than `WORTHWHILE` of the elements of the one before is not.
+const NEARER: [f64; 3] = [0.75, 0.5, 0.35];
+const WORTHWHILE: f64 = 0.85;
+/// Keys of a boundary by which its springs have distances of their own.
+const DISTANCES: [&str; 4] = ["distance", "x", "y", "z"];
+
+/// The ground as far as it goes, and less of it, as long as what scatters, is recorded, is loaded or is moved stays in
+/// it; none if there is nothing to cut off, or if the boundary would not be that of less ground.
+pub(super) fn ground(
+    scene: &Scene,
+    (file, path): (&Table, &Path),
+    registry: &Registry,
+) -> Option<Factor> {
+    let boundary = file.get("boundary")?.as_table()?;
+    let is_given = |key: &&str| boundary.contains_key(*key);
+    // How long waves past the critical angle take to set in depends on the box.
+    let sets_in = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
+    if boundary.contains_key("region")
+        || DISTANCES.iter().any(is_given)
+        || scene.remarks().iter().any(sets_in)
+    {
+        return None;
+    }
+    let acted_on = sets_acted_on(file);
+    let acted_on = acted_on
+        .into_iter()
+        .flat_map(|set| nodes_of_set(scene.mesh(), set));
+    let room = Room::of(scene).ok()?.with_nodes(acted_on);
+    let waves = scene.incident_waves().iter();
+    let references = waves.map(|wave| wave.parameters().reference.into());
+    let references: Vec<[f64; 3]> = references.collect();
+    let mut levels = vec![Level::own("as it stands")];
+    let mut least = scene.mesh().element_count();
+    for share in NEARER {
+        let Some((within, elements)) = room.at(share) else {
+            break;
+        };
+        if elements.len() as f64 > WORTHWHILE * least as f64 {
+            continue;
+        }
+        let name = format!("faces at {share} of their distance");
+        let level = Level::less_ground(name, within, references.clone());
+        if !is_whole(scene, &level, (file, path), registry) {
+            break;
+        }
+        least = elements.len();
+        levels.push(level);
+    }
+    (levels.len() > 1).then(|| Factor::new("ground", levels, 0))
+}
+
+/// Whether a scene with a level can be read, and nothing in it stands on a set that has become empty.
+fn is_whole(
+    scene: &Scene,
+    level: &Level,
+    (file, path): (&Table, &Path),
+    registry: &Registry,
+) -> bool {
+    let mut changed = file.clone();
+    level.apply(&mut changed);
+    let Ok(text) = toml::to_string(&changed) else {
+        return false;
+    };
+    let Ok(less) = Scene::from_toml(text, path, registry) else {
+        return false;
+    };
+    let of_empty = |remark: &&Remark| matches!(remark, Remark::EmptySet { .. });
+    let empty = |scene: &Scene| scene.remarks().iter().filter(of_empty).count();
+    empty(&less) == empty(scene)
+}
