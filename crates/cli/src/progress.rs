@@ -9,8 +9,10 @@ use powerhouse::engine::Progress;
 
 /// The bar is drawn anew after so many steps, and the clock looked at.
 const STEPS_PER_TICK: u64 = 32;
-/// Time between lines where there is no terminal.
+/// Least time between lines where there is no terminal, and what it is of the time since the start: a run of
+/// hours has some hundred lines.
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
+const SHARE_BETWEEN_LINES: u32 = 20;
 const TEMPLATE: &str = "{prefix} {bar:32} {percent:>3} %  {msg}  {per_sec}  {eta} left";
 
 /// Shows on the error stream how far a run is, with its rate and the time that is left.
@@ -55,8 +57,9 @@ impl Display {
                 let mut next = BETWEEN_LINES;
                 Box::new(move |progress| {
                     if is_tick(&progress) && started.elapsed() >= next {
-                        next = started.elapsed() + BETWEEN_LINES;
-                        eprintln!("{}", line(&prefix, &progress, started.elapsed()));
+                        let elapsed = started.elapsed();
+                        next = elapsed + BETWEEN_LINES.max(elapsed / SHARE_BETWEEN_LINES);
+                        eprintln!("{}", line(&prefix, &progress, elapsed));
                     }
                 })
             }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use indicatif::MultiProgress;
 use powerhouse::engine::Ended;
 use powerhouse::{Error, ResultFolder, RunHooks, StageAtRest, StageSink};
 use powerhouse_study::FreeFieldCheck;
@@ -10,13 +11,16 @@ use powerhouse_study::FreeFieldCheck;
 use crate::progress::Display;
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
-/// Tells of stages what their files hold in full.
-pub(crate) struct Stages(pub(crate) Box<dyn StageSink>);
+/// Tells of stages what their files hold in full, around the bars of what runs.
+pub(crate) struct Stages {
+    pub(crate) files: Box<dyn StageSink>,
+    pub(crate) bars: MultiProgress,
+}
 
 impl StageSink for Stages {
     fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
-        report::stage(stage);
-        self.0.at_rest(stage)
+        self.bars.suspend(|| report::stage(stage));
+        self.files.at_rest(stage)
     }
 }
 
@@ -46,14 +50,16 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
     folder.clear()?;
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
     let remarks = simulation.remarks().to_vec();
-    let display = Display::new("run");
+    let bars = MultiProgress::new();
+    let display = Display::among(&bars, "run");
     let hooks = RunHooks {
         progress: Some(display.hook()),
         stop: Some(stop),
         snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
-        stages: Some(Box::new(Stages(
-            folder.stages(&mesh, simulation.joint_surfaces())?,
-        ))),
+        stages: Some(Box::new(Stages {
+            files: folder.stages(&mesh, simulation.joint_surfaces())?,
+            bars,
+        })),
         ..RunHooks::default()
     };
     let outcome = simulation.run(hooks);

@@ -54,7 +54,10 @@ impl SweepWatch for Told {
         Some(hook)
     }
     fn stages(&mut self, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
-        Box::new(Stages(files))
+        Box::new(Stages {
+            files,
+            bars: self.bars.clone(),
+        })
     }
     fn ends(&mut self, outcome: &CaseOutcome) {
         if let Some(display) = self.displays.remove(&outcome.name) {

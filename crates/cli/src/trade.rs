@@ -97,6 +97,15 @@ struct Told {
     display: Option<Display>,
 }
 
+impl Told {
+    /// Takes away what shows the progress of a run.
+    fn clear(&mut self) {
+        if let Some(display) = self.display.take() {
+            display.clear();
+        }
+    }
+}
+
 impl TradeWatch for Told {
     fn before(&mut self, runs: usize, window: f64, at_most: Duration) {
         println!(
@@ -117,15 +126,11 @@ impl TradeWatch for Told {
         Some(hook)
     }
     fn fails(&mut self, _name: &str, error: &StudyError) {
-        if let Some(display) = self.display.take() {
-            display.clear();
-        }
+        self.clear();
         println!("  {error}");
     }
     fn ends(&mut self, case: &TradeCase) {
-        if let Some(display) = self.display.take() {
-            display.clear();
-        }
+        self.clear();
         let cost = &case.cost;
         println!(
             "  error {:.2e} ({}), whole run {}: {} steps of {:.3e} s, {:.3e} s each",
@@ -138,9 +143,7 @@ impl TradeWatch for Told {
         );
     }
     fn tells_mesh(&mut self, mesh: &MeshError) {
-        if let Some(display) = self.display.take() {
-            display.clear();
-        }
+        self.clear();
         println!(
             "  the mesh errs by about {:.2e} ({})",
             mesh.error, mesh.worst
@@ -203,9 +206,7 @@ pub(crate) fn trade(wishes: Wishes) -> Outcome {
     }
     let mut told = Told { display: None };
     let found = trade.run(goal, Some(&stop::flag()?), &mut told);
-    if let Some(display) = told.display.take() {
-        display.clear();
-    }
+    told.clear();
     match found {
         Ok(report) => {
             tell(&report);

@@ -4,19 +4,6 @@ use powerhouse::Scene;
 use powerhouse::engine::observe::{Place, Spot, StressPlace};
 use powerhouse::model::{Mesh, Vec3};
 
-/// Nodes of a node set; of a facet set if there is no such node set, of an element set if there is neither;
-/// nothing if there is no such set.
-pub(crate) fn nodes_of_set(mesh: &Mesh, name: &str) -> Vec<u32> {
-    if let Ok(nodes) = mesh.node_set(name) {
-        return nodes.to_vec();
-    }
-    if let Ok(facets) = mesh.facet_set(name) {
-        return mesh.nodes_of_facets(facets);
-    }
-    let elements = mesh.element_set(name).unwrap_or_default();
-    mesh.nodes_of_elements(elements)
-}
-
 /// What of a mesh a scene records.
 #[derive(Default)]
 pub(crate) struct Recorded {
@@ -67,7 +54,8 @@ impl Recorded {
     }
 }
 
-/// The nodes whose mean motion a place without coordinates has.
+/// The nodes whose mean motion a place without coordinates has; none of a set that does not exist, which is
+/// refused where the scene is prepared.
 pub(crate) fn nodes_of(mesh: &Mesh, place: &Place) -> Vec<u32> {
     match place {
         Place::Spot(_) => Vec::new(),
@@ -75,6 +63,6 @@ pub(crate) fn nodes_of(mesh: &Mesh, place: &Place) -> Vec<u32> {
             let known = mesh.node_tags().iter().position(|other| other == tag);
             known.map(|node| node as u32).into_iter().collect()
         }
-        Place::NodeSet(name) => nodes_of_set(mesh, name),
+        Place::NodeSet(name) => mesh.nodes_of_set(name).unwrap_or_default(),
     }
 }

@@ -1,7 +1,5 @@
 //! Where something is observed.
 
-use std::borrow::Cow;
-
 use powerhouse_model::{Located, Mesh, ParameterError, Vec3};
 
 use super::ObserveError;
@@ -188,7 +186,7 @@ pub(super) fn probes(mesh: &Mesh, places: &[(String, Place)]) -> Result<Vec<Prob
                 probes.push(Probe(vec![(node, 1.0)]));
             }
             Place::NodeSet(set) => {
-                let nodes = nodes_of_set(mesh, set)?;
+                let nodes = mesh.nodes_of_set(set)?;
                 if nodes.is_empty() {
                     return Err(ObserveError::EmptySet {
                         name: name.clone(),
@@ -230,20 +228,6 @@ pub(super) fn elements(
         }
     }
     Ok(elements)
-}
-
-/// The nodes of a node set, or else of a facet set, or else of an element set.
-fn nodes_of_set<'m>(mesh: &'m Mesh, set: &str) -> Result<Cow<'m, [u32]>, ObserveError> {
-    match (
-        mesh.node_set(set),
-        mesh.facet_set(set),
-        mesh.element_set(set),
-    ) {
-        (Ok(nodes), ..) => Ok(nodes.into()),
-        (_, Ok(facets), _) => Ok(mesh.nodes_of_facets(facets).into()),
-        (.., Ok(elements)) => Ok(mesh.nodes_of_elements(elements).into()),
-        (Err(error), ..) => Err(error.into()),
-    }
 }
 
 fn index_of(tags: &[u64], tag: u64) -> Option<u32> {

@@ -106,7 +106,7 @@ pub enum MeshError {
     /// A set that does not exist.
     #[error("there is no {what} set '{name}'; the mesh has {}", available.join(", "))]
     NoSuchSet {
-        /// `node`, `facet` or `element`.
+        /// `node`, `facet`, `element`, or all three of them.
         what: &'static str,
         /// The wanted name.
         name: String,

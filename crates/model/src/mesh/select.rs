@@ -1,6 +1,6 @@
 //! Sets chosen by geometry, for meshes without names.
 
-use super::{Facet, Mesh};
+use super::{Facet, Mesh, MeshError};
 use crate::Vec3;
 
 /// An axis of space.
@@ -68,6 +68,31 @@ impl Mesh {
     pub fn nodes_of_elements(&self, elements: &[u32]) -> Vec<u32> {
         let nodes = elements.iter().flat_map(|&element| self.nodes_of(element));
         sorted_once(nodes.copied().collect())
+    }
+
+    /// The nodes of a set of any kind, in rising order: of the node set of this name; if there is none,
+    /// of the facet set; if there is none either, of the element set.
+    ///
+    /// # Errors
+    /// [`MeshError::NoSuchSet`] with the names of all sets.
+    pub fn nodes_of_set(&self, name: &str) -> Result<Vec<u32>, MeshError> {
+        if let Some(nodes) = self.node_sets.get(name) {
+            return Ok(nodes.clone());
+        }
+        if let Some(facets) = self.facet_sets.get(name) {
+            return Ok(self.nodes_of_facets(facets));
+        }
+        if let Some(elements) = self.element_sets.get(name) {
+            return Ok(self.nodes_of_elements(elements));
+        }
+        let names = (self.node_sets.keys())
+            .chain(self.facet_sets.keys())
+            .chain(self.element_sets.keys());
+        Err(MeshError::NoSuchSet {
+            what: "node, facet or element",
+            name: name.into(),
+            available: names.cloned().collect(),
+        })
     }
 }
 

@@ -162,6 +162,18 @@ fn sets_that_point_nowhere_are_named() {
         error.to_string(),
         "there is no element set 'lining'; the mesh has rock"
     );
+    let error = mesh.nodes_of_set("lining").unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "there is no node, facet or element set 'lining'; the mesh has base, rock"
+    );
+    let nodes = |mesh: &Mesh, set| mesh.nodes_of_set(set).unwrap();
+    assert_eq!(nodes(&mesh, "rock"), [0, 1, 2, 3, 4, 5, 6, 7]);
+    let facets = mesh.facet_set("base").unwrap();
+    assert_eq!(nodes(&mesh, "base"), mesh.nodes_of_facets(facets));
+    // A node set comes before a facet set of the same name.
+    mesh.set_node_set("base", vec![2]).unwrap();
+    assert_eq!(nodes(&mesh, "base"), [2]);
 
     let range = |what, number| MeshError::SetOutOfRange {
         what,

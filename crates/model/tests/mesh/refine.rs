@@ -125,23 +125,26 @@ fn kinds_may_be_mixed() {
     assert_eq!(fine.positions()[first[1] as usize], middle);
 }
 
+/// A tetrahedron on the unit triangle, of nodes that are numbered one after the other.
+fn tetrahedron(first: u64, element: u64, top: Vec3) -> Mesh {
+    let mut builder = Mesh::builder();
+    let tags = [first, first + 1, first + 2, first + 3];
+    for (tag, corner) in tags
+        .into_iter()
+        .zip([Vec3::zeros(), Vec3::x(), Vec3::y(), top])
+    {
+        builder.node(tag, corner);
+    }
+    builder.element(element, ElementKind::Tet4, &tags, &["rock"]);
+    builder.build().unwrap()
+}
+
 /// Numbers that leave none for more nodes or elements are refused.
 #[test]
 fn numbers_without_room_are_refused() {
     for (node, element, wanted) in [(u64::MAX - 3, 1, "node"), (1, u64::MAX - 3, "element")] {
-        let mut builder = Mesh::builder();
-        let corners = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-        ];
-        let tags = [node, node + 1, node + 2, node + 3];
-        for (tag, corner) in tags.into_iter().zip(corners) {
-            builder.node(tag, Vec3::from(corner));
-        }
-        builder.element(element, ElementKind::Tet4, &tags, &["rock"]);
-        let refused = builder.build().unwrap().refined().unwrap_err();
+        let refused = tetrahedron(node, element, Vec3::z()).refined();
+        let refused = refused.unwrap_err();
         assert!(
             matches!(refused, MeshError::Numbers { what } if what == wanted),
             "{refused}"
@@ -158,19 +161,7 @@ fn tetrahedra_do_not_get_flatter() {
         [9.0, 9.0, 1.0],
         [3.0, 1.0, 7.0],
     ] {
-        let mut builder = Mesh::builder();
-        let corners = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-        ];
-        for (place, corner) in corners.into_iter().enumerate() {
-            let bend = Vec3::from(ends) * (0.1 * corner[2]);
-            builder.node(place as u64 + 1, Vec3::from(corner) + bend);
-        }
-        builder.element(1, ElementKind::Tet4, &[1, 2, 3, 4], &["rock"]);
-        let mesh = builder.build().unwrap();
+        let mesh = tetrahedron(1, 1, Vec3::z() + Vec3::from(ends) * 0.1);
         let once = mesh.refined().unwrap();
         let twice = once.refined().unwrap();
         let quality = |mesh: &Mesh| mesh.check().unwrap().least_scaled_jacobian;

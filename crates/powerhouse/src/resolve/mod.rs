@@ -322,28 +322,9 @@ impl<'m> Names<'m> {
     }
     /// Nodes of a node, facet or element set.
     fn nodes(&self, name: &At<String>) -> Result<Vec<u32>, Fault> {
-        if let Ok(nodes) = self.mesh.node_set(name) {
-            return Ok(nodes.to_vec());
-        }
-        if let Ok(facets) = self.mesh.facet_set(name) {
-            return Ok(self.mesh.nodes_of_facets(facets));
-        }
-        if let Ok(elements) = self.mesh.element_set(name) {
-            return Ok(self.mesh.nodes_of_elements(elements));
-        }
-        let sets = self.mesh.node_sets().keys();
-        Err(Fault::new(
-            name.span(),
-            Problem::NoSuchName {
-                what: "node, facet or element set",
-                name: name.to_string(),
-                available: sets
-                    .chain(self.mesh.facet_sets().keys())
-                    .chain(self.mesh.element_sets().keys())
-                    .cloned()
-                    .collect(),
-            },
-        ))
+        self.mesh
+            .nodes_of_set(name)
+            .map_err(|e| no_such_set(name, e))
     }
 }
 
@@ -355,7 +336,8 @@ fn no_such_set(name: &At<String>, error: MeshError) -> Fault {
             what: match what {
                 "element" => "element set",
                 "facet" => "facet set",
-                _ => "node set",
+                "node" => "node set",
+                _ => "node, facet or element set",
             },
             name: name.to_string(),
             available,

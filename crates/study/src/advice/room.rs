@@ -5,7 +5,6 @@ use core::fmt;
 use powerhouse::Scene;
 use powerhouse::model::{AbsorbingBoundary, ParameterError, Vec3};
 
-use super::setting::scatterers;
 use super::{BoundaryKind, Setting, predicted_error};
 use crate::StudyError;
 use crate::recorded::Recorded;
@@ -110,10 +109,11 @@ impl<'a> Room<'a> {
     /// # Errors
     /// As [`Setting::of`].
     pub(crate) fn of(scene: &'a Scene) -> Result<Self, StudyError> {
+        let (setting, scatterers) = Setting::with_scatterers(scene)?;
         Ok(Self {
             scene,
-            setting: Setting::of(scene)?,
-            scatterers: scatterers(scene)?,
+            setting,
+            scatterers,
             recorded: Recorded::of(scene),
         })
     }

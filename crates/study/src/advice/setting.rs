@@ -1,7 +1,7 @@
 //! What of a scene decides how much a boundary costs.
 
 use powerhouse::boundary::Spreading;
-use powerhouse::model::{ElasticMedium, Vec3};
+use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{Angle, Site, WaveKind};
 use powerhouse::{Error, Scene};
 
@@ -73,6 +73,14 @@ impl Setting {
     /// A scene without an absorbing boundary, or whose ground is of several media; a field that is not
     /// known to be made of plane waves; one in which nothing moves.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
+        Ok(Self::with_scatterers(scene)?.0)
+    }
+
+    /// The same, and the nodes of what scatters.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub(super) fn with_scatterers(scene: &Scene) -> Result<(Self, Vec<u32>), StudyError> {
         let media = scene.media_behind_boundary()?;
         let &[medium] = &media[..] else {
             return Err(match media.len() {
@@ -101,10 +109,11 @@ impl Setting {
         // The axis along which the body goes on as it is.
         let long = (0..2).find(|&axis| !absorbs(axis));
         let top = mesh.bounding_box().1.z;
-        Ok(Self {
+        let scatterers = scatterers(scene)?;
+        let setting = Self {
             medium,
             centre,
-            radius: radius(scene, &centre, long)?,
+            radius: radius(mesh, &scatterers, &centre, long),
             depth: distances[2][1].is_none().then_some(top - centre.z),
             distances,
             spreading: match long {
@@ -114,7 +123,8 @@ impl Setting {
             absorbing_nodes: nodes.len(),
             elements: mesh.element_count(),
             drive: drive(scene)?,
-        })
+        };
+        Ok((setting, scatterers))
     }
 
     /// Distance to the nearest absorbing face across a horizontal axis (m).
@@ -137,7 +147,7 @@ impl Setting {
 }
 
 /// Nodes of what scatters: of parts that touch no absorbing face, and of free facets inside the mesh's box.
-pub(super) fn scatterers(scene: &Scene) -> Result<Vec<u32>, StudyError> {
+fn scatterers(scene: &Scene) -> Result<Vec<u32>, StudyError> {
     let mesh = scene.mesh();
     let behind = scene.parts_behind_boundary()?;
     let mut nodes = Vec::new();
@@ -171,8 +181,7 @@ pub(super) fn scatterers(scene: &Scene) -> Result<Vec<u32>, StudyError> {
 
 /// How far from a centre that which scatters reaches, across the axis along which it goes on, or across
 /// that along which it is longest.
-fn radius(scene: &Scene, centre: &Vec3, long: Option<usize>) -> Result<Option<f64>, StudyError> {
-    let (mesh, nodes) = (scene.mesh(), scatterers(scene)?);
+fn radius(mesh: &Mesh, nodes: &[u32], centre: &Vec3, long: Option<usize>) -> Option<f64> {
     let across = |axis: usize| {
         let distance = |&node: &u32| {
             let mut way = mesh.positions()[node as usize] - centre;
@@ -181,10 +190,10 @@ fn radius(scene: &Scene, centre: &Vec3, long: Option<usize>) -> Result<Option<f6
         };
         nodes.iter().map(distance).reduce(f64::max)
     };
-    Ok(match long {
+    match long {
         Some(axis) => across(axis),
         None => across(0).into_iter().chain(across(1)).reduce(f64::min),
-    })
+    }
 }
 
 /// What moves the body of a scene.

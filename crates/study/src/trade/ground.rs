@@ -7,7 +7,6 @@ use toml::Table;
 
 use super::factor::{Factor, Level, sets_acted_on};
 use crate::advice::Room;
-use crate::recorded::nodes_of_set;
 
 /// Shares of their distances from what scatters at which absorbing faces are tried; a box that leaves more
 /// than `WORTHWHILE` of the elements of the one before is not.
@@ -36,7 +35,7 @@ pub(super) fn ground(
     let acted_on = sets_acted_on(file);
     let acted_on = acted_on
         .into_iter()
-        .flat_map(|set| nodes_of_set(scene.mesh(), set));
+        .flat_map(|set| scene.mesh().nodes_of_set(set).unwrap_or_default());
     let room = Room::of(scene).ok()?.with_nodes(acted_on);
     let waves = scene.incident_waves().iter();
     let references = waves.map(|wave| wave.parameters().reference.into());

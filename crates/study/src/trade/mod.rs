@@ -50,7 +50,6 @@ use toml::{Table, Value};
 
 use crate::mark::{Mark, inputs};
 use crate::price::price_front;
-use crate::recorded::nodes_of_set;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
 use case::{Bench, Bodies, Finished};
@@ -474,7 +473,12 @@ impl Trade {
         let fine = Scene::from_toml(text.as_str(), &self.path, &self.registry)?;
         let coarse = self.scene(&design)?;
         for set in factor::nodal_loads(&file) {
-            let count = |scene: &Scene| nodes_of_set(scene.mesh(), set).len();
+            let count = |scene: &Scene| {
+                scene
+                    .mesh()
+                    .nodes_of_set(set)
+                    .map_or(0, |nodes| nodes.len())
+            };
             let (nodes, more) = (count(&coarse), count(&fine));
             if nodes != more {
                 let set = set.to_owned();
@@ -496,7 +500,7 @@ impl Trade {
         let coarse = self.finish(&design, bench, &mut Silent, name)?;
         let fine = self.finish_file(text, (folder, folder), bench, (watch, name))?;
         let compared = self.compared.among(fine.histories);
-        let motions = Compared::motions(&compared);
+        let motions = self.compared.motions(&compared);
         let (truth, order) = match motions.len() {
             0 | 1 => (compared, FIRST_ORDER),
             _ => (motions, SECOND_ORDER),

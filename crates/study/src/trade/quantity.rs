@@ -104,38 +104,49 @@ impl Compared {
     }
 
     /// Those of some columns that count, after the first, which is time.
-    pub(super) fn among(&self, mut columns: Vec<TableColumn>) -> Vec<TableColumn> {
-        let mut place = 0;
-        columns.retain(|column| {
-            place += 1;
-            place == 1 || self.counts(column)
-        });
-        columns
+    pub(super) fn among(&self, columns: Vec<TableColumn>) -> Vec<TableColumn> {
+        after_time(columns, |column| self.counts(column))
     }
 
     /// Time and those of some columns that are motions.
-    pub(super) fn motions(columns: &[TableColumn]) -> Vec<TableColumn> {
-        let (time, rest) = columns.split_at(columns.len().min(1));
-        let is_motion =
-            |column: &&TableColumn| ["m", "m/s", "m/s2"].contains(&column.unit.as_str());
-        time.iter()
-            .chain(rest.iter().filter(is_motion))
-            .cloned()
-            .collect()
+    pub(super) fn motions(&self, columns: &[TableColumn]) -> Vec<TableColumn> {
+        let is_of_element = |quantity| [Quantity::Stress, Quantity::State].contains(&quantity);
+        after_time(columns.to_vec(), |column| {
+            !is_of_element(self.quantity(column))
+        })
     }
 
     fn counts(&self, column: &TableColumn) -> bool {
-        let (stem, variable) = column.name.rsplit_once('.').unwrap_or(("", &column.name));
-        let quantity = match column.unit.as_str() {
+        let own = column.name.as_str();
+        let variable = own.rsplit_once('.').map_or(own, |(_, name)| name);
+        self.quantities.contains(&self.quantity(column)) && !self.flags.contains(variable)
+    }
+
+    /// What a column is of.
+    fn quantity(&self, column: &TableColumn) -> Quantity {
+        let stem = column.name.rsplit_once('.').map_or("", |(stem, _)| stem);
+        match column.unit.as_str() {
             "m" if self.relative.contains(stem) => Quantity::Relative,
             "m" => Quantity::Displacement,
             "m/s" => Quantity::Velocity,
             "m/s2" => Quantity::Acceleration,
             "Pa" => Quantity::Stress,
             _ => Quantity::State,
-        };
-        self.quantities.contains(&quantity) && !self.flags.contains(variable)
+        }
     }
+}
+
+/// The first of some columns, which is time, and those of the others that are wanted.
+fn after_time(
+    mut columns: Vec<TableColumn>,
+    is_wanted: impl Fn(&TableColumn) -> bool,
+) -> Vec<TableColumn> {
+    let mut place = 0;
+    columns.retain(|column| {
+        place += 1;
+        place == 1 || is_wanted(column)
+    });
+    columns
 }
 
 #[cfg(test)]
