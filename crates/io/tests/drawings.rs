@@ -105,6 +105,23 @@ fn a_section_opens_the_body() {
     assert!(matches!(error, IoError::NothingToDraw { .. }), "{error}");
 }
 
+/// A slice of one layer that is cut open in its middle is drawn whole, whatever its centroids round to.
+#[test]
+fn a_slice_cut_in_its_middle_is_drawn_whole() {
+    for start in [0.1, 0.3, 0.7, 1.1, 2.3, -5.1] {
+        let (low, high) = (Vec3::new(0.0, start, 0.0), Vec3::new(2.0, start + 0.1, 2.0));
+        let mesh = Mesh::box_of_hexes(low, high, [3, 1, 3], "rock").unwrap();
+        let layer = vec![1.0; mesh.element_count()];
+        let mut picture = from_front(&mesh, PictureField::Elemental(&layer));
+        let whole = pixels(&picture, "slice");
+        picture.section = Some(SectionPlane {
+            point: (low + high) / 2.0,
+            normal: -3.0 * Vec3::y(),
+        });
+        assert!(pixels(&picture, "slice-cut") == whole, "{start}");
+    }
+}
+
 /// Numbers at nodes are interpolated, and the colours run from the least to the greatest in sight.
 #[test]
 fn nodal_numbers_are_interpolated() {

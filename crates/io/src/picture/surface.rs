@@ -5,6 +5,9 @@ use powerhouse_model::{Facet, Mesh, Vec3};
 use super::colour::{Rgb, set_colour};
 use super::{FacetField, Picture, PictureField};
 
+/// A length that is none beside coordinates.
+const ROUNDING: f64 = 1e-12;
+
 /// A facet that is drawn.
 pub(super) struct Patch {
     /// The element that it is a side of.
@@ -25,9 +28,14 @@ pub(super) struct Surface {
 impl Surface {
     pub(super) fn new(picture: &Picture) -> Self {
         let mesh = picture.mesh;
+        // What has its centroid in the plane, but for rounding, is in sight: a slice cut in its middle.
+        let (low, high) = mesh.bounding_box();
+        let rounding = ROUNDING * low.norm().max(high.norm());
         let before = |position: Vec3| {
-            (picture.section.as_ref())
-                .is_none_or(|section| (position - section.point).dot(&section.normal) <= 0.0)
+            (picture.section.as_ref()).is_none_or(|section| {
+                let beyond = (position - section.point).dot(&section.normal);
+                beyond <= rounding * section.normal.norm()
+            })
         };
         if let PictureField::Facets(field) = picture.field {
             let centre = |nodes: &[u32]| -> Vec3 {
