@@ -45,6 +45,32 @@ pub struct NodeTributary {
 }
 
 impl Mesh {
+    /// Volume of an element (m3), by the divergence theorem on its sides, which is exact for bilinear ones;
+    /// zero for bars.
+    ///
+    /// # Panics
+    /// If the element does not belong to this mesh.
+    pub fn volume(&self, element: u32) -> f64 {
+        let sides = 0..self.kind(element).sides().len() as u8;
+        let middle = self.centroid(element);
+        let flux = |side: u8| -> f64 {
+            let geometry = self.facet_geometry(Facet { element, side });
+            let nodes = geometry.nodes.iter().zip(&geometry.shares);
+            nodes
+                .map(|(&node, share)| share.dot(&(self.positions[node as usize] - middle)))
+                .sum()
+        };
+        sides.map(flux).sum::<f64>() / 3.0
+    }
+
+    /// Volume of some elements (m3).
+    ///
+    /// # Panics
+    /// If one does not belong to this mesh.
+    pub fn volume_of(&self, elements: &[u32]) -> f64 {
+        elements.iter().map(|&element| self.volume(element)).sum()
+    }
+
     /// Geometry of a facet.
     ///
     /// # Panics

@@ -56,9 +56,9 @@ impl Mesh {
             (along(node) - from).abs() > tolerance && (along(node) - to).abs() > tolerance
         };
         let reaches_beyond = |&&element: &&u32| self.nodes_of(element).iter().any(astray);
-        let layer = self.volume(&kept) / (to - from);
+        let layer = self.volume_of(&kept) / (to - from);
         let solids = (0..self.element_count() as u32).filter(|&e| self.kind(e).is_solid());
-        let share = layer * (high - low) / self.volume(&solids.collect::<Vec<u32>>());
+        let share = layer * (high - low) / self.volume_of(&solids.collect::<Vec<u32>>());
         let beyond = kept.iter().find(reaches_beyond);
         if beyond.is_some() || (share - 1.0).abs() > TOLERANCE {
             return Err(MeshError::NotExtruded {
@@ -96,23 +96,6 @@ impl Mesh {
             slice.set_facet_set(name, of_slice.into_iter().collect())?;
         }
         Ok(slice)
-    }
-
-    /// The volume of some elements (m3), by the divergence theorem on their sides.
-    fn volume(&self, elements: &[u32]) -> f64 {
-        let of_element = |&element: &u32| -> f64 {
-            let sides = 0..self.kind(element).sides().len() as u8;
-            let middle = self.centroid(element);
-            let flux = |side: u8| {
-                let geometry = self.facet_geometry(Facet { element, side });
-                let parts = geometry.nodes.iter().zip(&geometry.shares);
-                let parts =
-                    parts.map(|(&n, share)| share.dot(&(self.positions[n as usize] - middle)));
-                parts.sum::<f64>()
-            };
-            sides.map(flux).sum::<f64>() / 3.0
-        };
-        elements.iter().map(of_element).sum()
     }
 }
 

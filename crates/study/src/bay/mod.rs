@@ -55,7 +55,6 @@ pub use cells::{BayCells, BaySize};
 pub use dimensions::BayDimensions;
 pub use parts::BayPart;
 pub use quality::scaled_jacobians;
-pub(crate) use quality::volume;
 pub use report::{BayReport, PointReport};
 pub use sets::MonitoringPoint;
 

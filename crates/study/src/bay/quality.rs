@@ -28,33 +28,3 @@ fn least_scaled_jacobian(corners: &[Vec3; 8]) -> f64 {
     });
     scaled.fold(f64::INFINITY, f64::min)
 }
-
-/// The volume (m3) of hexahedra of a mesh, in eight points of Gauss.
-pub(crate) fn volume(mesh: &Mesh, elements: impl IntoIterator<Item = u32>) -> f64 {
-    let place = 1.0 / 3.0_f64.sqrt();
-    let mut gradients = [Vec3::zeros(); 8];
-    let mut sum = 0.0;
-    for element in elements {
-        let nodes = mesh.nodes_of(element);
-        for point in 0..8 {
-            let sign = |axis: usize| {
-                if point >> axis & 1 == 0 {
-                    -place
-                } else {
-                    place
-                }
-            };
-            let natural = Vec3::new(sign(0), sign(1), sign(2));
-            ElementKind::Hex8.shape_gradients(&natural, &mut gradients);
-            let mut columns = [Vec3::zeros(); 3];
-            for (gradient, &node) in gradients.iter().zip(nodes) {
-                let position = mesh.positions()[node as usize];
-                for axis in 0..3 {
-                    columns[axis] += position * gradient[axis];
-                }
-            }
-            sum += columns[0].cross(&columns[1]).dot(&columns[2]);
-        }
-    }
-    sum
-}

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use powerhouse::model::{Mesh, Vec3};
 
-use super::quality::{scaled_jacobians, volume};
+use super::quality::scaled_jacobians;
 use super::sets::{MonitoringPoint, position};
 use super::{Bay, BayPart};
 use crate::StudyError;
@@ -70,7 +70,7 @@ impl BayReport {
         let mut volumes = BTreeMap::new();
         for &part in parts.keys() {
             let elements = mesh.element_set(part.name())?;
-            volumes.insert(part, volume(mesh, elements.iter().copied()));
+            volumes.insert(part, mesh.volume_of(elements));
         }
         Ok(Self {
             cells,

@@ -1,10 +1,8 @@
 //! Damage of the structure, part by part.
 
 use powerhouse::engine::observe::StateTable;
-use powerhouse::model::{ElementKind, Mesh};
+use powerhouse::model::Mesh;
 use serde::{Deserialize, Serialize};
-
-use crate::bay::volume;
 
 /// The element set whose damage is looked at.
 pub(super) const STRUCTURE: &str = "structure";
@@ -86,7 +84,7 @@ impl Damage {
     }
 
     /// The damage of the structure and of every set of which all elements belong to it; nothing if
-    /// the mesh names no structure. Hexahedra count.
+    /// the mesh names no structure. Sets of bars alone are left out.
     pub(super) fn parts(&self, mesh: &Mesh) -> Vec<PartDamage> {
         let Ok(structure) = mesh.element_set(STRUCTURE) else {
             return Vec::new();
@@ -99,10 +97,9 @@ impl Damage {
         let within = |elements: &[u32]| elements.iter().all(|e| structure.binary_search(e).is_ok());
         let sets = mesh.element_sets().iter();
         let sets = sets.filter(|(_, elements)| !elements.is_empty() && within(elements));
-        let parts = sets.map(|(name, elements)| {
+        let parts = sets.filter_map(|(name, elements)| {
             let volumes: Vec<(usize, f64)> = (elements.iter())
-                .filter(|&&element| mesh.kind(element) == ElementKind::Hex8)
-                .map(|&element| (element as usize, volume(mesh, [element])))
+                .map(|&element| (element as usize, mesh.volume(element)))
                 .collect();
             let sum = |value: &dyn Fn(usize) -> f64| -> f64 {
                 volumes.iter().map(|&(e, volume)| volume * value(e)).sum()
@@ -112,16 +109,15 @@ impl Damage {
                 of => sum(&|element| f64::from(u8::from(value(element)))) / of,
             };
             let whole = sum(&|_| 1.0);
+            if whole <= 0.0 {
+                return None;
+            }
             let is_severe = |e: usize| severe > 0.0 && self.whole[e] > severe;
             let severely = sum(&|element| f64::from(u8::from(is_severe(element))));
-            PartDamage {
+            Some(PartDamage {
                 name: name.clone(),
                 volume: whole,
-                mean: if whole == 0.0 {
-                    0.0
-                } else {
-                    sum(&|e| self.whole[e]) / whole
-                },
+                mean: sum(&|e| self.whole[e]) / whole,
                 greatest: greatest(elements),
                 damaged: share(whole, &|e| self.whole[e] > DAMAGED),
                 tension: share(whole, &|e| self.kinds[e] == 1.0),
@@ -131,7 +127,7 @@ impl Damage {
                 severe_tension: share(severely, &|e| {
                     is_severe(e) && self.tension[e] > self.compression[e]
                 }),
-            }
+            })
         });
         parts.collect()
     }

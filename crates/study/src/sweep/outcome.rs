@@ -6,7 +6,7 @@ use powerhouse::model::Mesh;
 use serde::{Deserialize, Serialize};
 
 use super::contact::{JointAndLining, JointCase};
-use super::damage::{DAMAGED, Damage, PartDamage};
+use super::damage::{DAMAGED, Damage, PartDamage, STRUCTURE};
 use super::input::CaseInput;
 use crate::StudyError;
 
@@ -21,7 +21,7 @@ pub struct Peak {
     pub time: f64,
 }
 
-/// Damage of one kind.
+/// Damage of one kind, in the set `structure`, or everywhere if there is no such set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DamageOutcome {
     /// What the law calls it: `damage`, `damage_tension`, `damage_compression`.
@@ -32,7 +32,7 @@ pub struct DamageOutcome {
     pub element: u64,
     /// How many elements have more than a tenth.
     pub damaged: usize,
-    /// How many elements are there: those of the set `structure`, or all if there is no such set.
+    /// How many elements are there.
     pub of: usize,
 }
 
@@ -96,20 +96,21 @@ impl CaseOutcome {
         let (relative, displacements) = displacement_peaks(&results.histories)
             .into_iter()
             .partition(|peak| relative.contains(&peak.name));
-        let structure = mesh.element_set("structure").map(<[u32]>::len);
-        let whole = structure.unwrap_or(mesh.element_count());
+        let structure = mesh.element_set(STRUCTURE).ok();
+        let whole = structure.map_or(mesh.element_count(), <[u32]>::len);
+        let counts = |element: &u32| structure.is_none_or(|set| set.binary_search(element).is_ok());
         let damage = results.state.iter().flat_map(|state| {
             let of = state.peaks.iter();
             let named = of.filter(|(variable, _)| variable.name.starts_with("damage"));
             named.filter_map(|(variable, peaks)| {
-                let greatest = |place: &usize| peaks.values[*place];
-                let all = 0..peaks.values.len();
-                let at = all.max_by(|a, b| greatest(a).total_cmp(&greatest(b)))?;
+                let all = state.elements.iter().zip(&peaks.values);
+                let own = || all.clone().filter(|(element, _)| counts(element));
+                let (&element, &greatest) = own().max_by(|a, b| a.1.total_cmp(b.1))?;
                 Some(DamageOutcome {
                     name: variable.name.to_string(),
-                    greatest: peaks.values[at],
-                    element: mesh.element_tags()[state.elements[at] as usize],
-                    damaged: peaks.values.iter().filter(|&&d| d > DAMAGED).count(),
+                    greatest,
+                    element: mesh.element_tags()[element as usize],
+                    damaged: own().filter(|(_, damage)| **damage > DAMAGED).count(),
                     of: whole,
                 })
             })
