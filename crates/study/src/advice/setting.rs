@@ -157,6 +157,13 @@ fn scatterers(scene: &Scene) -> Result<Vec<u32>, StudyError> {
             nodes.extend(mesh.nodes_of_elements(elements));
         }
     }
+    nodes.extend(inner_free_surface(scene)?);
+    Ok(nodes)
+}
+
+/// Nodes of facets that are free and lie inside the box of a mesh: of openings.
+pub(crate) fn inner_free_surface(scene: &Scene) -> Result<Vec<u32>, StudyError> {
+    let (mesh, mut nodes) = (scene.mesh(), Vec::new());
     let (low, high) = mesh.bounding_box();
     let tolerance = SIDE_TOLERANCE * (high - low).norm();
     let absorbing = scene.absorbing_facets().map_err(Error::from)?;

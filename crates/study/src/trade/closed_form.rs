@@ -5,15 +5,49 @@ use powerhouse::io::TableColumn;
 use powerhouse::model::{FieldMotion, Vec3};
 use powerhouse::{Damping, Error, Scene};
 
+use toml::{Table, Value};
+
 use crate::StudyError;
+use crate::advice::inner_free_surface;
 use crate::recorded::nodes_of;
 
-/// The field's motion at the histories of a scene, at some times (s).
+/// What in a scene's file makes its answer another one than the field that comes in.
+fn disturbance(file: &Table) -> Option<&'static str> {
+    let listed = |key: &str| {
+        file.get(key)
+            .and_then(Value::as_array)
+            .into_iter()
+            .flatten()
+    };
+    let holds = |support: &Value| {
+        let kind = support.get("kind").and_then(Value::as_str);
+        ["fixed", "prescribed"].contains(&kind.unwrap_or_default())
+    };
+    if listed("load").next().is_some() || listed("bolt").next().is_some() {
+        return Some("it has loads or bolts");
+    }
+    if listed("support").any(holds) {
+        return Some("nodes of it are held or moved");
+    }
+    let boundary = file.get("boundary").and_then(Value::as_table);
+    if boundary.is_some_and(|boundary| boundary.contains_key("region")) {
+        return Some("waves enter around a region of it alone");
+    }
+    None
+}
+
+/// The field's motion at the histories of a scene, at some times (s); with the scene's file.
 ///
 /// # Errors
 /// [`StudyError::NoClosedForm`] for a scene whose answer is not its field.
-pub(super) fn closed_form(scene: &Scene, times: &[f64]) -> Result<Vec<TableColumn>, StudyError> {
+pub(super) fn closed_form(
+    (scene, file): (&Scene, &Table),
+    times: &[f64],
+) -> Result<Vec<TableColumn>, StudyError> {
     let refused = |reason| StudyError::NoClosedForm { reason };
+    if let Some(reason) = disturbance(file) {
+        return Err(refused(reason));
+    }
     let field = scene.incident_field().ok_or(refused("no field comes in"))?;
     if scene.absorbing_boundary().is_none() {
         return Err(refused("it has no absorbing boundary"));
@@ -30,6 +64,9 @@ pub(super) fn closed_form(scene: &Scene, times: &[f64]) -> Result<Vec<TableColum
         return Err(refused(
             "a part is not the undamped elastic ground of its field",
         ));
+    }
+    if !inner_free_surface(scene)?.is_empty() {
+        return Err(refused("it has an opening, which scatters"));
     }
     let mut columns = vec![TableColumn::new("time", "s", times.to_vec())];
     for wish in &scene.output_plan().histories {

@@ -24,8 +24,11 @@ enum Change {
     Nothing,
     /// A key of a table at the top, or at the top itself.
     Set(Option<&'static str>, &'static str, Value),
-    /// The kernel of every part.
-    Kernel(&'static str),
+    /// The kernel of the parts of some sets.
+    Kernel {
+        kernel: &'static str,
+        sets: Vec<String>,
+    },
     /// Dashpots without springs.
     Dashpots,
     /// Less ground; waves pass where they would in the whole, each at its reference point (m).
@@ -87,9 +90,12 @@ impl Level {
                     table.insert((*key).into(), value.clone());
                 }
             }
-            Change::Kernel(kernel) => {
+            Change::Kernel { kernel, sets } => {
                 for part in tables(file, "part") {
-                    part.insert("kernel".into(), (*kernel).into());
+                    let set = part.get("set").and_then(Value::as_str);
+                    if set.is_some_and(|set| sets.iter().any(|other| other == set)) {
+                        part.insert("kernel".into(), (*kernel).into());
+                    }
                 }
             }
             Change::Dashpots => {
@@ -191,18 +197,20 @@ pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     found.into_iter().flatten().collect()
 }
 
-/// The kernels that bricks may have, if there are bricks.
+/// The kernels that bricks may have, if there are bricks, in all parts that have some and do not choose a kernel
+/// of other elements.
 fn kernel(scene: &Scene) -> Option<Factor> {
     let mesh = scene.mesh();
-    let mut names = Vec::new();
+    let (mut names, mut sets) = (Vec::new(), Vec::new());
     for part in scene.parts() {
         let elements = mesh.element_set(&part.set).ok()?;
-        if !elements.iter().any(|&e| mesh.kind(e) == ElementKind::Hex8) {
+        let own = part.kernel.as_ref();
+        let of_others = own.is_some_and(|kernel| kernel.kind() != ElementKind::Hex8);
+        if of_others || !elements.iter().any(|&e| mesh.kind(e) == ElementKind::Hex8) {
             continue;
         }
-        let own = part.kernel.as_ref();
-        let own = own.filter(|kernel| kernel.kind() == ElementKind::Hex8);
         names.push(own.map_or(ONE_POINT, |kernel| kernel.name()).to_owned());
+        sets.push(part.set.to_string());
     }
     names.sort_unstable();
     names.dedup();
@@ -211,10 +219,11 @@ fn kernel(scene: &Scene) -> Option<Factor> {
         [name] => name.clone(),
         several => several.join(" and "),
     };
-    let mut levels = vec![
-        Level::new(FULL, Change::Kernel(FULL)),
-        Level::new(ONE_POINT, Change::Kernel(ONE_POINT)),
-    ];
+    let level = |kernel: &'static str| {
+        let sets = sets.clone();
+        Level::new(kernel, Change::Kernel { kernel, sets })
+    };
+    let mut levels = vec![level(FULL), level(ONE_POINT)];
     let known = levels.iter().position(|level| level.name == own);
     let place = known.unwrap_or_else(|| {
         levels.insert(1, Level::own(own));
@@ -416,6 +425,37 @@ pub(super) fn test_factors(levels: &[usize]) -> Vec<Factor> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Kernels of bricks are chosen for parts that have bricks, and not for others.
+    #[test]
+    fn kernels_of_bricks_are_for_bricks() {
+        use powerhouse::Part;
+        use powerhouse::material::{LinearElastic, media};
+        use powerhouse::model::{ElementKind, Mesh, Vec3};
+        let mut builder = Mesh::builder();
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0]];
+        for (tag, height) in [(1, 0.0), (6, 1.0)] {
+            for (place, [x, y]) in corners.into_iter().enumerate() {
+                builder.node(tag + place as u64, Vec3::new(x, y, height));
+            }
+        }
+        let brick = [1, 2, 3, 4, 6, 7, 8, 9];
+        builder.element(1, ElementKind::Hex8, &brick, &["bricks"]);
+        builder.element(2, ElementKind::Wedge6, &[2, 5, 3, 7, 10, 8], &["wedges"]);
+        let mut scene = Scene::new("both", builder.build().unwrap());
+        for set in ["bricks", "wedges"] {
+            scene = scene.part(Part::new(set, LinearElastic::new(media::ROCK).into()));
+        }
+        let factor = kernel(&scene).unwrap();
+        assert_eq!((factor.levels.len(), factor.own), (2, 1));
+        let mut file: Table =
+            toml::from_str("[[part]]\nset = \"bricks\"\n[[part]]\nset = \"wedges\"").unwrap();
+        factor.levels[0].apply(&mut file);
+        let kernels: Vec<Option<&str>> = listed(&file, "part")
+            .map(|part| word(part, "kernel"))
+            .collect();
+        assert_eq!(kernels, [Some(FULL), None]);
+    }
 
     /// Tolerances of stages are those of the file or the default ones, a hundredth and a hundred times as
     /// much, between what statics meet and what a run takes over.

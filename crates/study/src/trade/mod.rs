@@ -226,7 +226,7 @@ impl Trade {
         let alone = plan::alone(&self.factors);
         if self.reference == Reference::ClosedForm {
             // Whether there is one shows before anything runs.
-            let known = closed_form::closed_form(&self.scene(&alone[0])?, &[])?;
+            let known = closed_form::closed_form((&self.scene(&alone[0])?, &self.file), &[])?;
             if self.compared.among(known).len() < 2 {
                 let reason = "only displacements and velocities have one";
                 return Err(StudyError::NoClosedForm { reason });
@@ -522,7 +522,8 @@ impl Trade {
             Reference::ClosedForm => {
                 let scene = self.scene(&vec![0; self.factors.len()])?;
                 let times = finest.histories.first();
-                closed_form::closed_form(&scene, times.map_or(&[][..], |time| &time.values))?
+                let times = times.map_or(&[][..], |time| &time.values);
+                closed_form::closed_form((&scene, &self.file), times)?
             }
         };
         let compared = self.compared.among(columns);
