@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use powerhouse::ProgressHook;
-use powerhouse::engine::Progress;
+use powerhouse::engine::{Progress, StaticProgress};
 
 /// The bar is drawn anew after so many steps, and the clock looked at.
 const STEPS_PER_TICK: u64 = 32;
@@ -53,13 +53,10 @@ impl Display {
                 })
             }
             Self::Lines(prefix) => {
-                let (prefix, started) = (prefix.clone(), Instant::now());
-                let mut next = BETWEEN_LINES;
+                let (prefix, mut beat) = (prefix.clone(), Beat::start());
                 Box::new(move |progress| {
-                    if is_tick(&progress) && started.elapsed() >= next {
-                        let elapsed = started.elapsed();
-                        next = elapsed + BETWEEN_LINES.max(elapsed / SHARE_BETWEEN_LINES);
-                        eprintln!("{}", line(&prefix, &progress, elapsed));
+                    if is_tick(&progress) && beat.is_due() {
+                        eprintln!("{}", line(&prefix, &progress, beat.started.elapsed()));
                     }
                 })
             }
@@ -71,6 +68,82 @@ impl Display {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
         }
+    }
+}
+
+/// Shows on the error stream how far the static solution of a stage is.
+pub(crate) struct Resting {
+    prefix: String,
+    bars: MultiProgress,
+    /// On a terminal, while a stage goes on.
+    bar: Option<ProgressBar>,
+    beat: Beat,
+}
+
+impl Resting {
+    /// One among other bars; the prefix tells cases side by side apart, and may be empty.
+    pub(crate) fn among(bars: &MultiProgress, prefix: &str) -> Self {
+        Self {
+            prefix: prefix.into(),
+            bars: bars.clone(),
+            bar: None,
+            beat: Beat::start(),
+        }
+    }
+
+    /// Tells how far a stage is.
+    pub(crate) fn tell(&mut self, stage: &str, now: &StaticProgress) {
+        let text = format!(
+            "{}stage '{stage}': {:.1} % of its load, iteration {}, {:.1e} out of balance",
+            self.prefix,
+            100.0 * now.share,
+            now.correction,
+            now.residual
+        );
+        if std::io::stderr().is_terminal() {
+            let new = || self.bars.add(ProgressBar::new_spinner());
+            let bar = self.bar.get_or_insert_with(new);
+            bar.set_message(text);
+            bar.tick();
+        } else if self.beat.is_due() {
+            eprintln!("{text}");
+        }
+    }
+
+    /// Takes the bar away until another stage tells.
+    pub(crate) fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Resting {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// Says when the next line is due.
+struct Beat {
+    started: Instant,
+    next: Duration,
+}
+
+impl Beat {
+    fn start() -> Self {
+        Self {
+            started: Instant::now(),
+            next: BETWEEN_LINES,
+        }
+    }
+    fn is_due(&mut self) -> bool {
+        let elapsed = self.started.elapsed();
+        let is_due = elapsed >= self.next;
+        if is_due {
+            self.next = elapsed + BETWEEN_LINES.max(elapsed / SHARE_BETWEEN_LINES);
+        }
+        is_due
     }
 }
 

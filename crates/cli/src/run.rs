@@ -4,21 +4,38 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use indicatif::MultiProgress;
-use powerhouse::engine::Ended;
+use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::{Error, ResultFolder, RunHooks, StageAtRest, StageSink};
 use powerhouse_study::FreeFieldCheck;
 
-use crate::progress::Display;
+use crate::progress::{Display, Resting};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
 /// Tells of stages what their files hold in full, around the bars of what runs.
 pub(crate) struct Stages {
-    pub(crate) files: Box<dyn StageSink>,
-    pub(crate) bars: MultiProgress,
+    files: Box<dyn StageSink>,
+    bars: MultiProgress,
+    resting: Resting,
+}
+
+impl Stages {
+    /// The prefix tells cases side by side apart, and may be empty.
+    pub(crate) fn new(files: Box<dyn StageSink>, bars: &MultiProgress, prefix: &str) -> Self {
+        Self {
+            files,
+            bars: bars.clone(),
+            resting: Resting::among(bars, prefix),
+        }
+    }
 }
 
 impl StageSink for Stages {
+    fn progress(&mut self, stage: &str, progress: StaticProgress) {
+        self.resting.tell(stage, &progress);
+        self.files.progress(stage, progress);
+    }
     fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+        self.resting.clear();
         self.bars.suspend(|| report::stage(stage));
         self.files.at_rest(stage)
     }
@@ -56,10 +73,11 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
         progress: Some(display.hook()),
         stop: Some(stop),
         snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
-        stages: Some(Box::new(Stages {
-            files: folder.stages(&mesh, simulation.joint_surfaces())?,
-            bars,
-        })),
+        stages: Some(Box::new(Stages::new(
+            folder.stages(&mesh, simulation.joint_surfaces())?,
+            &bars,
+            "",
+        ))),
         ..RunHooks::default()
     };
     let outcome = simulation.run(hooks);

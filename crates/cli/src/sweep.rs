@@ -31,6 +31,12 @@ impl Told {
     fn say(&self, text: &str) {
         self.bars.suspend(|| println!("{text}"));
     }
+    /// Takes the bar of a case away.
+    fn clear(&mut self, case: &str) {
+        if let Some(display) = self.displays.remove(case) {
+            display.clear();
+        }
+    }
 }
 
 impl SweepWatch for Told {
@@ -39,6 +45,9 @@ impl SweepWatch for Told {
     }
     fn kept(&mut self, case: &str) {
         self.say(&format!("  {case}: finished before"));
+    }
+    fn self_check(&mut self, case: &str, error: f64) {
+        self.say(&format!("  {case}: the free field errs by {error:.4}"));
     }
     fn at_rest(&mut self, case: &str, took: Duration) {
         self.say(&format!(
@@ -53,17 +62,20 @@ impl SweepWatch for Told {
         self.displays.insert(case.into(), display);
         Some(hook)
     }
-    fn stages(&mut self, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
-        Box::new(Stages {
-            files,
-            bars: self.bars.clone(),
-        })
+    fn stages(&mut self, case: &str, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
+        let prefix = match self.several {
+            true => format!("{case}: "),
+            false => String::new(),
+        };
+        Box::new(Stages::new(files, &self.bars, &prefix))
     }
     fn ends(&mut self, outcome: &CaseOutcome) {
-        if let Some(display) = self.displays.remove(&outcome.name) {
-            display.clear();
-        }
+        self.clear(&outcome.name);
         self.say(&told(outcome));
+    }
+    fn fails(&mut self, case: &str, error: &StudyError) {
+        self.clear(case);
+        self.say(&format!("  {case}: {error}"));
     }
 }
 

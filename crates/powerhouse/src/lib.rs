@@ -75,7 +75,7 @@ pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use output::{
     BoltForces, CutWish, EnergyResidual, EnvelopeWish, HistoryWish, JointWish, OutputPlan,
-    RelativeWish, ResultFolder, Results, SnapshotWish, StateWish, StressWish,
+    RelativeWish, ResultFolder, Results, SnapshotWish, StateWish, StressWish, file_name,
 };
 pub use part::{Kernel, Material, Part};
 pub use reduction::reduction_layer;

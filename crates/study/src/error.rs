@@ -34,6 +34,14 @@ pub enum StudyError {
         /// What and where.
         source: Box<toml::de::Error>,
     },
+    /// A case of a sweep that is refused or failed on its way; what it came to until then is in its folder.
+    #[error("case '{case}': {source}")]
+    Case {
+        /// Its name.
+        case: String,
+        /// Why.
+        source: Box<StudyError>,
+    },
     /// A scene without cases, which is no sweep.
     #[error("{} has no [[case]]: a sweep needs some", file.display())]
     NoCases {
@@ -196,4 +204,17 @@ pub enum StudyError {
         /// The permitted error.
         limit: f64,
     },
+}
+
+impl StudyError {
+    /// The same of a case of a sweep, unless it is none of the case's own.
+    pub(crate) fn in_case(self, case: &str) -> Self {
+        match self {
+            Self::Interrupted | Self::Changed { .. } => self,
+            error => Self::Case {
+                case: case.into(),
+                source: Box::new(error),
+            },
+        }
+    }
 }

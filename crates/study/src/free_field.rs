@@ -151,6 +151,9 @@ impl FreeFieldCheck {
             for pairs in &held.periodic {
                 composed = composed.periodic(pairs.clone());
             }
+            if let Some(threads) = scene.thread_count() {
+                composed = composed.threads(threads);
+            }
             composed
         };
         let (part, damped) = ground(scene, field.medium())?;

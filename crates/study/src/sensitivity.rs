@@ -46,7 +46,8 @@ pub struct Variation {
     pub case: String,
     /// The choice.
     pub varies: String,
-    /// The case that it is compared with: the first of the same waves that varies nothing.
+    /// The case that it is compared with: the first of the same waves that varies nothing, of the same record
+    /// if there is one.
     pub base: String,
     /// The headline figures that both have: relative displacement, principal stress, mean damage of the
     /// lining, share of the joint that failed.
@@ -88,10 +89,20 @@ pub(crate) fn headlines(outcome: &CaseOutcome) -> Vec<(String, f64)> {
 pub fn sensitivity(outcomes: &[CaseOutcome]) -> Vec<Variation> {
     let found = outcomes.iter().filter_map(|case| {
         let varies = case.input.varies.clone()?;
-        let base = outcomes.iter().find(|base| {
-            let plain = base.input.varies.is_none() && !base.input.continuous;
-            plain && base.input.waves == case.input.waves
-        })?;
+        let waves = &case.input.waves;
+        let plain = || {
+            outcomes.iter().filter(|base| {
+                let others = &base.input.waves;
+                let alike = || waves.iter().zip(others).all(|(a, b)| a.arrives_as(b));
+                let plain = base.input.varies.is_none() && !base.input.continuous;
+                plain && others.len() == waves.len() && alike()
+            })
+        };
+        let same_motion = plain().find(|base| {
+            let pairs = || waves.iter().zip(&base.input.waves);
+            pairs().all(|(own, other)| own.motion == other.motion)
+        });
+        let base = same_motion.or(plain().next())?;
         let own = headlines(case);
         let figures = headlines(base).into_iter().filter_map(|(name, base)| {
             let here = own.iter().find(|(other, _)| *other == name)?.1;

@@ -51,6 +51,8 @@ fn case(kind: &str, angle: f64, size: f64) -> CaseOutcome {
                 kind: kind.into(),
                 incidence: angle,
                 azimuth: 0.0,
+                motion: "el-centro".into(),
+                factor: 1.0,
             }],
             varies: None,
             continuous: false,
@@ -225,6 +227,19 @@ fn a_claim_falls_with_its_figures() {
     found.sort_unstable();
     wanted.sort_unstable();
     assert_eq!(found, wanted);
+    // Much more damage with it than without is not a little more, nor what the abstract says.
+    let much = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0] = part("structure", 0.3);
+    assert_eq!(falls(&much), ["sv_interaction_adds_damage"]);
+    // Cases of other records do not count, wherever they stand.
+    let others = |cases: &mut Vec<CaseOutcome>| {
+        let mut other = case("sv", 30.0, 0.05);
+        other.input.waves[0].motion = "kobe".into();
+        cases.insert(1, other);
+        let mut twice = case("p", 30.0, 0.05);
+        twice.input.waves[0].factor = 2.0;
+        cases.insert(1, twice);
+    };
+    assert!(falls(&others).is_empty(), "{:?}", falls(&others));
     // A little more is not much more.
     let alike = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0] = part("structure", 0.65);
     assert_eq!(falls(&alike), ["sv_interaction_adds_damage"]);
@@ -310,6 +325,16 @@ fn variations_are_compared_with_their_base() {
         "p-30-whole",
         "joint",
     ));
+    // Of another record: beside the plain case of that record where there is one.
+    let of_kobe = |mut case: CaseOutcome, name: &str| {
+        (case.name, case.input.waves[0].motion) = (name.into(), "kobe".into());
+        case
+    };
+    let other = vary(case("sv", 15.0, 0.4), "sv-15-kobe", "record");
+    cases.push(of_kobe(other, "sv-15-kobe"));
+    cases.push(of_kobe(case("p", 60.0, 0.4), "p-60-kobe"));
+    let other = vary(case("p", 60.0, 0.4), "p-60-kobe-smooth", "friction");
+    cases.push(of_kobe(other, "p-60-kobe-smooth"));
     let found = sensitivity(&cases);
     let told: Vec<(&str, &str, &str)> = (found.iter())
         .map(|found| (&*found.case, &*found.varies, &*found.base))
@@ -318,7 +343,9 @@ fn variations_are_compared_with_their_base() {
         told,
         [
             ("sv-30-smooth", "friction", "sv-30"),
-            ("p-30-whole", "joint", "p-30")
+            ("p-30-whole", "joint", "p-30"),
+            ("sv-15-kobe", "record", "sv-15"),
+            ("p-60-kobe-smooth", "friction", "p-60-kobe")
         ]
     );
     let figures: Vec<String> = found[0].figures.iter().map(ToString::to_string).collect();

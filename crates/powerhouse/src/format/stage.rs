@@ -176,7 +176,8 @@ pub enum StaticMethod {
     /// Corrections by the consistent tangent, factored anew for each: for much plastic flow. In builds
     /// with the feature `direct`.
     Newton,
-    /// Damped steps in a time of its own: for joints that slide and open, and for heavy softening.
+    /// Damped steps in a time of its own: for joints that slide and open, for heavy softening, and where much
+    /// rock is near its limit.
     DynamicRelaxation,
 }
 

@@ -46,8 +46,8 @@ pub(super) fn plots(
         .collect()
 }
 
-/// A name as part of a file's name.
-pub(super) fn file_name(name: &str) -> String {
+/// A name as part of the name of a file of results: what is neither letter, digit, `-` nor `_` is `-`.
+pub fn file_name(name: &str) -> String {
     let plain = |c: char| {
         if c.is_alphanumeric() || "-_".contains(c) {
             c

@@ -12,6 +12,7 @@ mod summary;
 mod vtu;
 
 pub use bolts::BoltForces;
+pub use drawing::file_name;
 pub use folder::ResultFolder;
 pub use plan::{
     CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,

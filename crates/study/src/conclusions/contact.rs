@@ -102,7 +102,7 @@ pub(super) fn of_interaction(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
             (with, without) => Err([with.err(), without.err()].into_iter().flatten().collect()),
         };
         let pair: Result<_, Vec<String>> = pair;
-        let compared = |more: usize, least: f64| {
+        let compared = |more: usize, (least, most): (f64, Option<f64>)| {
             let [with, without] = pair.clone()?;
             let (first, second) = ([with, without][more], [with, without][1 - more]);
             let figures = format!(
@@ -112,11 +112,13 @@ pub(super) fn of_interaction(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
                 rounded(100.0 * with.damaged),
                 rounded(100.0 * without.damaged)
             );
-            let holds = first.mean > least * second.mean && first.damaged > second.damaged;
+            let is_more = least * second.mean < first.mean;
+            let is_at_most = most.is_none_or(|most| first.mean <= most * second.mean);
+            let holds = is_more && is_at_most && first.damaged > second.damaged;
             Ok((figures, holds))
         };
-        found.push(told(4, words.adds, compared(0, 1.0)));
-        found.push(told(0, words.spares, compared(1, MUCH)));
+        found.push(told(4, words.adds, compared(0, (1.0, Some(MUCH)))));
+        found.push(told(0, words.spares, compared(1, (MUCH, None))));
         let tension = structure(false).map_err(|missing| vec![missing]);
         let tension = tension.map(|part| {
             let figures = format!(

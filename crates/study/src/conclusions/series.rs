@@ -11,16 +11,26 @@ pub(super) const P: [f64; 4] = [0.0, 30.0, 60.0, 90.0];
 /// The angle at which the paper finds the most of everything (degrees).
 pub(super) const WORST: f64 = 30.0;
 
-/// A case of one wave with nothing varied, with its joints or without.
+/// A case of one wave with nothing varied, with its joints or without; moved as the first case of all that
+/// varies nothing, for a sweep may hold other records.
 pub(super) fn case<'o>(
     outcomes: &'o [CaseOutcome],
     (kind, angle): (&str, f64),
     continuous: bool,
 ) -> Option<&'o CaseOutcome> {
-    outcomes.iter().find(|outcome| {
-        let input = &outcome.input;
-        let is_plain = input.continuous == continuous && input.varies.is_none();
-        is_plain && input.wave() == Some((kind, angle))
+    let plain = || {
+        let cases = outcomes.iter();
+        cases.filter(|outcome| outcome.input.varies.is_none() && outcome.input.wave().is_some())
+    };
+    let motion = |outcome: &CaseOutcome| {
+        let wave = &outcome.input.waves[0];
+        (wave.motion.clone(), wave.factor)
+    };
+    let first = plain().next().map(motion);
+    plain().find(|outcome| {
+        outcome.input.continuous == continuous
+            && outcome.input.wave() == Some((kind, angle))
+            && Some(motion(outcome)) == first
     })
 }
 

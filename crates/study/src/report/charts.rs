@@ -10,6 +10,8 @@ use crate::sweep::Peak;
 
 /// The history that is drawn for all cases.
 const POINT: &str = "A";
+/// A displacement less than this share of the greatest is not drawn.
+const STILL: f64 = 1e-3;
 
 /// Peaks against the angle of incidence, for each kind of wave with several angles: a plot for each.
 pub(super) fn by_angle(
@@ -70,6 +72,13 @@ pub(super) fn by_angle(
     Ok(plots)
 }
 
+/// The greatest displacement of the crown in any case (m); none without.
+fn greatest_displacement(cases: &[CaseFiles]) -> f64 {
+    let peaks = cases.iter().flat_map(|case| &case.outcome.displacements);
+    let own = peaks.filter(|peak| peak.name == POINT);
+    own.fold(0.0, |most, peak| most.max(peak.value))
+}
+
 /// A history of the crown for the cases of each kind of wave: a plot for each.
 pub(super) fn histories(
     cases: &[CaseFiles],
@@ -84,7 +93,12 @@ pub(super) fn histories(
             "greatest principal stress",
         ),
         ".uz" => (format!("{POINT}.uz"), "mm", 1e3, "displacement upwards"),
+        ".uy" => (format!("{POINT}.uy"), "mm", 1e3, "displacement along"),
         other => (format!("{POINT}{other}"), "mm", 1e3, "displacement across"),
+    };
+    let still = match component {
+        ".s1" => f64::NEG_INFINITY,
+        _ => STILL * scale * greatest_displacement(cases),
     };
     let mut plots = Vec::new();
     for (kind, of_kind) in kinds(cases) {
@@ -97,7 +111,10 @@ pub(super) fn histories(
                 Some((&*case.outcome.name, &*time.values, values.collect()))
             })
             .collect();
-        if series.is_empty() {
+        let greatest = series.iter().flat_map(|(.., values)| values);
+        let greatest = greatest.fold(0.0_f64, |most, value| most.max(value.abs()));
+        // Along an axis along which these waves do not move it there is nothing to see.
+        if series.is_empty() || greatest <= still {
             continue;
         }
         let plot = Plot {

@@ -23,7 +23,7 @@ use powerhouse::io::{TableColumn, read_table};
 use powerhouse::wavefield::TimeHistory;
 
 use crate::StudyError;
-use crate::sweep::{CASES, CaseOutcome, MARK, OUTCOME, write_text};
+use crate::sweep::{CASES, CaseOutcome, Listed, MARK, OUTCOME, write_text};
 
 /// The name of the page in its folder.
 const FILE: &str = "report.html";
@@ -81,14 +81,15 @@ fn case_folders(folder: &Path) -> Result<Option<Vec<PathBuf>>, StudyError> {
     let Ok(text) = std::fs::read(folder.join(CASES)) else {
         return Ok(None);
     };
-    let names: Vec<String> =
+    let cases: Vec<Listed> =
         serde_json::from_slice(&text).map_err(|source| StudyError::Outcome {
             file: folder.join(CASES),
             source,
         })?;
-    let folders = names.into_iter().map(|name| folder.join(name));
-    let finished = folders.filter(|folder| folder.join(OUTCOME).exists());
-    Ok(Some(finished.collect()))
+    let finished = cases.iter().filter(|case| case.is_finished(folder));
+    Ok(Some(
+        finished.map(|case| folder.join(case.name())).collect(),
+    ))
 }
 
 /// What is on disk of the cases of a sweep that are finished; none if it is no sweep.
@@ -136,10 +137,53 @@ fn column<'t>(table: &'t [TableColumn], name: &str) -> Option<&'t TableColumn> {
     table.iter().find(|column| column.name == name)
 }
 
-/// Samples of an acceleration (m/s2) at even times (s) as a record; none if they are no record.
+/// Samples of an acceleration (m/s2) as a record at even times, as many as there are: a run samples at its
+/// steps, which need not fall on the times that were asked for. None if they are no record.
 fn history_of(times: &[f64], acceleration: &[f64]) -> Option<TimeHistory> {
-    let [first, second, ..] = *times else {
+    let ([first, _, ..], [.., last]) = (times, times) else {
         return None;
     };
-    TimeHistory::new(second - first, acceleration.to_vec()).ok()
+    let step = (last - first) / (times.len() - 1) as f64;
+    let mut place = 0;
+    let even = (0..times.len()).map(|sample| {
+        let time = first + step * sample as f64;
+        while place + 2 < times.len() && times[place + 1] <= time {
+            place += 1;
+        }
+        let share = (time - times[place]) / (times[place + 1] - times[place]);
+        let [from, to] = [acceleration[place], acceleration[place + 1]];
+        from + (to - from) * share.clamp(0.0, 1.0)
+    });
+    TimeHistory::new(step, even.collect()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples at uneven times are those of the same motion at even ones.
+    #[test]
+    fn uneven_samples_become_even_ones() {
+        // Every first step of 6 ms at or past a multiple of 10 ms.
+        let times: Vec<f64> = (0..100)
+            .map(|sample| 6e-3 * (10.0 * f64::from(sample) / 6.0).ceil())
+            .collect();
+        let wave = |time: f64| (5.0 * time).sin();
+        let uneven: Vec<f64> = times.iter().map(|&time| wave(time)).collect();
+        let even = history_of(&times, &uneven).unwrap();
+        let step = times[99] / 99.0;
+        assert!((even.step() - step).abs() < 1e-15);
+        for (sample, value) in even.acceleration().into_iter().enumerate() {
+            // Chords of at most 12 ms.
+            let off = value - wave(step * sample as f64);
+            assert!(
+                off.abs() < 25.0 * 0.012_f64.powi(2) / 8.0 + 1e-12,
+                "{off:e}"
+            );
+        }
+        let given: Vec<f64> = (0..50).map(|sample| 0.25 * f64::from(sample)).collect();
+        let same = history_of(&given, &given).unwrap().acceleration();
+        assert!(same.iter().zip(&given).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert!(history_of(&[0.0], &[1.0]).is_none());
+    }
 }

@@ -2,11 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use powerhouse::file_name;
 use powerhouse::io::{TableColumn, read_table};
 
 use super::page::Page;
-use super::{CaseFiles, PLOTS, charts, forces, fourier, paper, spectra, tables};
+use super::spectra::FloorSpectra;
+use super::{CaseFiles, PLOTS, charts, forces, fourier, paper, tables};
 use crate::StudyError;
+use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, RECORD};
 use crate::{conclusions, sensitivity};
 
@@ -60,7 +63,7 @@ impl Sweep<'_> {
     fn runs(&self, page: &mut Page) {
         page.section("Cases");
         let first = &self.cases[0];
-        page.paragraph(&tables::repetition(&first.summary, &first.mark));
+        page.paragraph(&tables::repetition(&first.summary));
         page.table(&tables::cases(self.cases));
         if let Some(stages) = tables::stages(self.cases) {
             page.section("Before the earthquake");
@@ -127,8 +130,10 @@ impl Sweep<'_> {
         page.paragraph("Greatest displacement itself (mm).");
         let displacements = tables::peaks(self.cases, |outcome| &outcome.displacements, 1e3);
         page.table(&displacements);
-        page.figures(charts::histories(self.cases, &self.plots, ".ux")?)?;
-        page.figures(charts::histories(self.cases, &self.plots, ".uz")?)
+        for component in [".ux", ".uy", ".uz"] {
+            page.figures(charts::histories(self.cases, &self.plots, component)?)?;
+        }
+        Ok(())
     }
 
     fn damage(&self, page: &mut Page) -> Result<(), StudyError> {
@@ -176,7 +181,7 @@ impl Sweep<'_> {
             let pictures = |what: &'static str| joints.clone().map(move |joint| (joint, what));
             let pictures = pictures("over-the-run").chain(pictures("bond"));
             pictures
-                .map(|(joint, what)| format!("joint-{}-{what}.png", joint.name))
+                .map(|(joint, what)| format!("joint-{}-{what}.png", file_name(&joint.name)))
                 .collect()
         })
     }
@@ -211,27 +216,29 @@ impl Sweep<'_> {
     }
 
     fn floors(&self, page: &mut Page) -> Result<(), StudyError> {
-        let spectra: Vec<_> = self.cases.iter().flat_map(spectra::of_case).collect();
+        let spectra = FloorSpectra::of(self.cases);
         if spectra.is_empty() {
             return Ok(());
         }
         page.section("Floor response spectra");
-        page.paragraph(
+        page.paragraph(&format!(
             "What equipment on the floors feels: the greatest absolute acceleration of an oscillator \
-             against its period. Spectra at 2, 5 and 10 % of critical damping of every case stand in \
-             report/floor-spectra-CASE.csv.",
-        );
+             against its period, from {} s on, of which the samples of the run still tell. Spectra at 2, 5 \
+             and 10 % of critical damping of every case stand in report/floor-spectra-CASE.csv; a direction \
+             in which a floor hardly moves is left out.",
+            rounded(spectra.shortest())
+        ));
         let headline = &self.headline().outcome.name;
         page.paragraph(&format!("Case {headline}:"));
-        page.table(&spectra::table(headline, &spectra));
+        page.table(&spectra.table(headline));
         for outcome in &self.outcomes {
             let name = &outcome.name;
-            spectra::write(&self.plots, name, &spectra)?;
+            spectra.write(&self.plots, name)?;
             if name != headline {
-                page.folded(name, &spectra::table(name, &spectra));
+                page.folded(name, &spectra.table(name));
             }
         }
-        let plots = spectra::plots(self.cases, headline, &spectra, &self.plots)?;
+        let plots = spectra.plots(self.cases, headline, &self.plots)?;
         page.figures(plots)
     }
 

@@ -13,14 +13,12 @@ fn head(names: &[&str]) -> Vec<String> {
 }
 
 /// What is needed to repeat a run.
-pub(super) fn repetition(summary: &Value, mark: &Value) -> String {
+pub(super) fn repetition(summary: &Value) -> String {
     let text = |key: &str| summary[key].as_str().unwrap_or("?").to_owned();
     let count = |key: &str| summary[key].as_u64().unwrap_or(0);
-    let inputs = mark["inputs"].as_str();
-    let inputs = inputs.map_or(String::new(), |sum| format!(" (checksum of all: {sum})"));
     format!(
         "Computed by {} on a mesh of {} elements and {} nodes. The scene as it was run stands at the \
-         end; with it and the files that it names{inputs} the results come again to the last bit.",
+         end; with it and the files that it names the results come again to the last bit.",
         text("software"),
         count("elements"),
         count("nodes"),
@@ -44,6 +42,7 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
             limited,
             rounded(outcome.wall_time),
             rounded(outcome.energy_residual),
+            case.mark["inputs"].as_str().unwrap_or("").into(),
         ]
     });
     Table {
@@ -55,6 +54,7 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
             "limited by",
             "wall time (s)",
             "energy residual",
+            "checksum of scene and files",
         ]),
         rows: rows.collect(),
     }

@@ -14,11 +14,12 @@ use crate::mark::{Checksum, REVISION, is_case};
 /// The folder of the files of bodies in that of a sweep.
 const FOLDER: &str = "at-rest";
 
-/// Sections of a scene that say what stages come to, beside mesh, supports, joints and absorbing faces.
-const SECTIONS: [&str; 8] = [
+/// Sections of a scene that say what stages come to, beside mesh, joints and absorbing faces.
+const SECTIONS: [&str; 9] = [
     "material",
     "part",
     "joint",
+    "support",
     "load",
     "in_situ_stress",
     "bolt",
@@ -68,8 +69,8 @@ impl Bodies {
     }
 }
 
-/// What two cases must share for one body at rest to serve both: version, mesh, supports, joints, faces
-/// that absorb, along which rock is elastic, and what the scene and the case say of everything else
+/// What two cases must share for one body at rest to serve both: version, mesh, supports, joints, the time at
+/// which the motion starts and loads are what they are at rest, faces that absorb, along which rock is elastic, and what the scene and the case say of everything else
 /// that acts before the motion.
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
@@ -80,7 +81,8 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
     let boundary = scene.absorbing_boundary();
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
-    sum.add(format!("{held} {joints:?} {faces:?}").as_bytes());
+    let start = scene.start_time();
+    sum.add(format!("{held} {joints:?} {faces:?} {start:?}").as_bytes());
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let cases = table.get("case").and_then(toml::Value::as_array);
     let own = cases.and_then(|cases| cases.iter().find(|own| is_case(own, case)));
@@ -98,20 +100,24 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     sum.text()
 }
 
-/// Nodes, elements and named sets of a mesh.
+/// Nodes, elements, their numbers and named sets of a mesh.
 fn add_mesh(sum: &mut Checksum, mesh: &Mesh) {
     for position in mesh.positions() {
         let bits = position.map(f64::to_bits);
         bits.iter().for_each(|bits| sum.add(&bits.to_le_bytes()));
+    }
+    for tags in [mesh.node_tags(), mesh.element_tags()] {
+        let bytes: Vec<u8> = tags.iter().flat_map(|tag| tag.to_le_bytes()).collect();
+        sum.add(&bytes);
     }
     let mut add = |numbers: &[u32]| {
         let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
         sum.add(&bytes);
     };
     (0..mesh.element_count() as u32).for_each(|element| add(mesh.nodes_of(element)));
-    mesh.element_sets()
-        .values()
-        .for_each(|elements| add(elements));
+    for sets in [mesh.element_sets(), mesh.node_sets()] {
+        sets.values().for_each(|numbers| add(numbers));
+    }
     for facets in mesh.facet_sets().values() {
         let facets = facets.iter();
         let sides: Vec<u32> = facets
@@ -121,6 +127,7 @@ fn add_mesh(sum: &mut Checksum, mesh: &Mesh) {
     }
     let sets = [
         mesh.element_sets().keys().collect::<Vec<_>>(),
+        mesh.node_sets().keys().collect(),
         mesh.facet_sets().keys().collect(),
     ];
     sum.add(format!("{sets:?}").as_bytes());

@@ -1,6 +1,6 @@
 //! What a case is a case of.
 
-use powerhouse::format::{Azimuth, SceneFile, WaveKind};
+use powerhouse::format::{Azimuth, Finite, SceneFile, Wave, WaveKind};
 use serde::{Deserialize, Serialize};
 
 /// A wave of a case.
@@ -12,6 +12,30 @@ pub struct CaseWave {
     pub incidence: f64,
     /// Direction of travel from +x towards +y (degrees).
     pub azimuth: f64,
+    /// What moves it: its record and component, or its pulse.
+    pub motion: String,
+    /// By what that is multiplied.
+    pub factor: f64,
+}
+
+impl CaseWave {
+    /// Whether it comes in as another one, whatever moves them.
+    pub(crate) fn arrives_as(&self, other: &Self) -> bool {
+        let of = |wave: &Self| (wave.kind.clone(), wave.incidence, wave.azimuth);
+        of(self) == of(other)
+    }
+}
+
+/// What moves a wave of a scene, in words that differ where the motion does.
+fn motion(wave: &Wave) -> String {
+    let source = match (&wave.record, &wave.pulse) {
+        (Some(record), _) => record.to_string(),
+        (None, Some(pulse)) => format!("{:?}", **pulse),
+        (None, None) => String::new(),
+    };
+    let component = wave.component.as_ref();
+    let component = component.map_or(String::new(), |component| format!(" {:?}", **component));
+    source + &component
 }
 
 /// What comes in, and what a case varies: by this reports tell cases apart.
@@ -39,6 +63,8 @@ impl CaseInput {
             .into(),
             incidence: wave.incidence.get(),
             azimuth: wave.azimuth.map_or(0.0, Azimuth::get),
+            motion: motion(wave),
+            factor: wave.factor.map_or(1.0, Finite::get),
         });
         Self {
             waves: waves.collect(),

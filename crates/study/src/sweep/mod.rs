@@ -3,7 +3,7 @@
 //! The stages before the motion are gone through once for all cases that share them, and kept in a file
 //! for a sweep that goes on later. A case that was finished before, by the same version and from the same
 //! keys of the scene and of the case and the same files, is not run again: its mark stands in its folder,
-//! and goes there last. Other cases may come and go.
+//! and goes there last. Other cases may come and go. Results that another run has replaced count no more.
 //!
 //! ```no_run
 //! use powerhouse_study::sweep::{Silent, Sweep};
@@ -15,8 +15,10 @@
 //! ```
 
 mod at_rest;
+mod case;
 mod contact;
 mod damage;
+mod finished;
 mod ground;
 mod input;
 mod outcome;
@@ -27,23 +29,21 @@ mod workers;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use powerhouse::engine::Ended;
 use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{
-    Fault, ProgressHook, Registry, ResultFolder, RunHooks, Scene, SceneFault, SceneText, StageSink,
-    format,
-};
+use powerhouse::{ProgressHook, Registry, Scene, StageSink};
 
 use crate::mark::Mark;
 use crate::{StudyError, registry};
 use at_rest::Bodies;
+use case::Hearing;
 pub use contact::{JointAndLining, JointCase};
 pub use damage::PartDamage;
+pub(crate) use finished::Listed;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 
@@ -53,7 +53,7 @@ pub(crate) const OUTCOME: &str = "outcome.json";
 pub(crate) const MARK: &str = "finished.json";
 /// The table of all cases in the folder of the sweep.
 pub(crate) const TABLE: &str = "sweep.csv";
-/// The file of the order of the cases.
+/// The file of the cases in their order, with the mark that each must bear.
 pub(crate) const CASES: &str = "cases.json";
 
 /// The start of the names of the files of records.
@@ -65,6 +65,8 @@ pub trait SweepWatch: Send {
     fn begins(&mut self, _case: &str, _place: usize, _of: usize) {}
     /// A case was finished before.
     fn kept(&mut self, _case: &str) {}
+    /// The free field of a case errs by so much: its scene asks for the check.
+    fn self_check(&mut self, _case: &str, _error: f64) {}
     /// The body has gone through its stages for this case and those like it.
     fn at_rest(&mut self, _case: &str, _took: Duration) {}
     /// The hook for the steps of a case.
@@ -72,11 +74,13 @@ pub trait SweepWatch: Send {
         None
     }
     /// What is shown the stages, with the files that they write.
-    fn stages(&mut self, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
+    fn stages(&mut self, _case: &str, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
         files
     }
     /// A case is finished.
     fn ends(&mut self, _outcome: &CaseOutcome) {}
+    /// A case is refused or fails, while others may still run.
+    fn fails(&mut self, _case: &str, _error: &StudyError) {}
 }
 
 /// Hears nothing.
@@ -194,6 +198,10 @@ impl Sweep {
         self.write_inputs()?;
         let bodies = Bodies::in_folder(&self.folder);
         let watch = Mutex::new(watch);
+        let hearing = Hearing {
+            stop,
+            watch: &watch,
+        };
         workers::side_by_side(self.cases.len(), self.at_once, |place| {
             let case = &self.cases[place];
             locked(&watch).begins(case, place + 1, self.cases.len());
@@ -202,7 +210,11 @@ impl Sweep {
             let outcome = if kept {
                 CaseOutcome::read(&folder.join(OUTCOME))?
             } else {
-                self.case(case, &folder, (stop, &watch), &bodies)?
+                let found = self.case(case, &hearing, &bodies);
+                found.map_err(|error| {
+                    locked(&watch).fails(case, &error);
+                    error.in_case(case)
+                })?
             };
             let mut watch = locked(&watch);
             match kept {
@@ -217,8 +229,8 @@ impl Sweep {
 
     /// Whether a case was finished, by this run or an earlier one of the same files.
     fn is_finished(&self, case: &str) -> bool {
-        let file = self.folder.join(case).join(MARK);
-        self.marks.get(case).is_some_and(|mark| mark.is_in(&file))
+        let is_finished = |mark| finished::is_finished(&self.folder.join(case), mark);
+        self.marks.get(case).is_some_and(is_finished)
     }
 
     /// Writes the table of all cases that are finished.
@@ -229,20 +241,15 @@ impl Sweep {
         table::write(&self.folder.join(TABLE), &outcomes)
     }
 
-    /// A fault of the scene's text.
-    fn refused(&self, fault: Fault) -> StudyError {
-        let (path, text) = (self.scene.clone(), self.text.clone());
-        let fault = SceneFault::new(Arc::new(SceneText { path, text }), fault);
-        powerhouse::Error::from(fault).into()
-    }
-
     /// Writes the order of the cases, those of this run and those that were finished before, and the
     /// records.
     fn write_inputs(&self) -> Result<(), StudyError> {
         let told = |case: &&String| self.cases.contains(case) || self.is_finished(case);
-        let cases: Vec<&String> = self.all.iter().filter(told).collect();
+        let cases = self.all.iter().filter(told);
+        let listed = cases.filter_map(|case| Some(Listed::new(case, self.marks.get(case)?)));
+        let listed: Vec<Listed> = listed.collect();
         let file = self.folder.join(CASES);
-        write_summary(&file, &cases).map_err(powerhouse::Error::from)?;
+        write_summary(&file, &listed).map_err(powerhouse::Error::from)?;
         for (name, history) in &self.records {
             let count = history.samples();
             let times = (0..count).map(|sample| sample as f64 * history.step());
@@ -254,93 +261,6 @@ impl Sweep {
             write_table(&file, &columns).map_err(powerhouse::Error::from)?;
         }
         Ok(())
-    }
-
-    /// Runs one case.
-    fn case(
-        &self,
-        case: &str,
-        path: &Path,
-        (stop, watch): (Option<&Arc<AtomicBool>>, &Mutex<&mut dyn SweepWatch>),
-        bodies: &Bodies,
-    ) -> Result<CaseOutcome, StudyError> {
-        let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
-        let at_once = self.at_once.get().min(self.cases.len());
-        if at_once > 1 && scene.thread_count().is_none() {
-            let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-            scene = scene.threads((cores / at_once).max(1));
-        }
-        if let Some(duration) = self.duration {
-            scene = scene.duration(duration);
-        }
-        if scene
-            .source()
-            .is_some_and(|source| source.text != self.text)
-        {
-            let file = self.scene.clone();
-            return Err(StudyError::Changed { file });
-        }
-        let as_case = format::decode_case(&self.text, case);
-        let as_case = as_case.map_err(|fault| self.refused(fault))?;
-        let folder = ResultFolder::new(path);
-        let text = scene.source().map(|source| source.text.clone());
-        let relative = scene.output_plan().relative.iter();
-        let relative: Vec<String> = relative.map(|wish| wish.name.clone()).collect();
-        let body = at_rest::key(&scene, &self.scene, &self.text, case);
-        let title = format!("{}: {case}", scene.title());
-        let ground = ground::relative_peaks(&scene)?;
-        let simulation = scene.prepare()?;
-        let (mesh, remarks) = (simulation.mesh().clone(), simulation.remarks().to_vec());
-        folder.create()?;
-        folder.clear()?;
-        let at_rest = {
-            let slot = bodies.slot(&body);
-            // Others that need the same body wait for it here.
-            let mut at_rest = locked(&slot);
-            if at_rest.is_none() {
-                *at_rest = bodies.read(&body);
-            }
-            if at_rest.is_none() {
-                let started = Instant::now();
-                let files = folder.stages(&mesh, simulation.joint_surfaces())?;
-                let told = locked(watch).stages(files);
-                let found = simulation.bring_to_rest(stop, Some(told));
-                *at_rest = found.map_err(|error| match error {
-                    powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
-                    error => error.into(),
-                })?;
-                if let Some(found) = &*at_rest {
-                    locked(watch).at_rest(case, started.elapsed());
-                    bodies.write(&body, found)?;
-                }
-            }
-            at_rest.clone()
-        };
-        let hooks = RunHooks {
-            progress: locked(watch).progress(case),
-            stop: stop.cloned(),
-            snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
-            at_rest,
-            ..RunHooks::default()
-        };
-        let results = simulation.run(hooks)?;
-        let stopped = stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
-        folder.write((&title, &mesh), &results, &remarks, text.as_deref())?;
-        if results.run.ended == Ended::Stopped || (stopped && results.run.ended != Ended::Completed)
-        {
-            return Err(StudyError::Interrupted);
-        }
-        pictures::draw(path, &mesh, &results)?;
-        let input = CaseInput::of(&as_case, case);
-        let outcome = CaseOutcome::of((case, input), &mesh, &results, (&relative, ground));
-        let write = |name: &str, content: &dyn Fn(&Path) -> Result<(), powerhouse::io::IoError>| {
-            content(&path.join(name)).map_err(powerhouse::Error::from)
-        };
-        write(OUTCOME, &|file| write_summary(file, &outcome))?;
-        // The mark goes last: without it the case is not finished.
-        write(MARK, &|file| write_summary(file, &self.marks.get(case)))?;
-        // As another sweep would find it: a number may lose its last bit in a file.
-        CaseOutcome::read(&path.join(OUTCOME))
     }
 }
 

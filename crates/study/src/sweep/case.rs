@@ -1,0 +1,157 @@
+//! One case of a sweep.
+
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use powerhouse::engine::Ended;
+use powerhouse::io::write_summary;
+use powerhouse::{
+    BodyAtRest, Error, Fault, ResultFolder, RunHooks, Scene, SceneFault, SceneText, Simulation,
+    format,
+};
+
+use super::at_rest::{self, Bodies};
+use super::{
+    CaseInput, CaseOutcome, OUTCOME, Sweep, SweepWatch, finished, ground, locked, pictures,
+};
+use crate::{FreeFieldCheck, StudyError};
+
+/// Who may stop a case, and who is told how it goes.
+pub(super) struct Hearing<'h, 'w> {
+    pub(super) stop: Option<&'h Arc<AtomicBool>>,
+    pub(super) watch: &'h Mutex<&'w mut dyn SweepWatch>,
+}
+
+impl Sweep {
+    /// Runs a case and writes what it came to, also of one that fails on its way.
+    pub(super) fn case(
+        &self,
+        case: &str,
+        hearing: &Hearing,
+        bodies: &Bodies,
+    ) -> Result<CaseOutcome, StudyError> {
+        let scene = self.scene_of(case)?;
+        let as_case = format::decode_case(&self.text, case);
+        let input = CaseInput::of(&as_case.map_err(|fault| self.refused(fault))?, case);
+        let path = self.folder.join(case);
+        let folder = ResultFolder::new(&path);
+        let text = scene.source().map(|source| source.text.clone());
+        let relative = scene.output_plan().relative.iter();
+        let relative: Vec<String> = relative.map(|wish| wish.name.clone()).collect();
+        let body = at_rest::key(&scene, &self.scene, &self.text, case);
+        let title = format!("{}: {case}", scene.title());
+        let ground = ground::relative_peaks(&scene)?;
+        let check = scene.self_check();
+        let check = check.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(&scene)?, limit)));
+        let check = check.transpose()?;
+        let mut simulation = scene.prepare()?;
+        // A step that is refused is so before anything is removed.
+        let step = simulation.step()?;
+        folder.create()?;
+        finished::take_back(&path)?;
+        folder.clear()?;
+        if let Some((check, limit)) = check {
+            let hooks = RunHooks {
+                stop: hearing.stop.cloned(),
+                ..RunHooks::default()
+            };
+            let found = check.run(step, hooks)?;
+            locked(hearing.watch).self_check(case, found.largest());
+            found.require(limit)?;
+        }
+
+        let (mesh, remarks) = (simulation.mesh().clone(), simulation.remarks().to_vec());
+        let hooks = RunHooks {
+            at_rest: at_rest(&simulation, (case, &body), &folder, (hearing, bodies))?,
+            progress: locked(hearing.watch).progress(case),
+            stop: hearing.stop.cloned(),
+            snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
+            ..RunHooks::default()
+        };
+        let (results, failure) = match simulation.run(hooks) {
+            Ok(results) => (results, None),
+            Err(Error::Failed { error, results }) => (*results, Some(error)),
+            Err(error) => return Err(error.into()),
+        };
+        folder.write((&title, &mesh), &results, &remarks, text.as_deref())?;
+        if let Some(failure) = failure {
+            return Err(Error::from(failure).into());
+        }
+        let stop = hearing.stop;
+        let stopped = stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
+        let ended = &results.run.ended;
+        if *ended == Ended::Stopped || (stopped && *ended != Ended::Completed) {
+            return Err(StudyError::Interrupted);
+        }
+        pictures::draw(&path, &mesh, &results)?;
+        let outcome = CaseOutcome::of((case, input), &mesh, &results, (&relative, ground));
+        let file = path.join(OUTCOME);
+        write_summary(&file, &outcome).map_err(Error::from)?;
+        // The mark goes last: without it the case is not finished.
+        if let Some(mark) = self.marks.get(case) {
+            finished::finish(&path, mark)?;
+        }
+        // As another sweep would find it: a number may lose its last bit in a file.
+        CaseOutcome::read(&file)
+    }
+
+    /// The scene of a case, as this sweep runs it.
+    fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
+        let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
+        let at_once = self.at_once.get().min(self.cases.len());
+        if at_once > 1 && scene.thread_count().is_none() {
+            let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+            scene = scene.threads((cores / at_once).max(1));
+        }
+        if let Some(duration) = self.duration {
+            scene = scene.duration(duration);
+        }
+        let is_other = |source: &SceneText| source.text != self.text;
+        if scene.source().is_some_and(|source| is_other(source)) {
+            let file = self.scene.clone();
+            return Err(StudyError::Changed { file });
+        }
+        Ok(scene)
+    }
+
+    /// A fault of the scene's text.
+    fn refused(&self, fault: Fault) -> StudyError {
+        let (path, text) = (self.scene.clone(), self.text.clone());
+        let fault = SceneFault::new(Arc::new(SceneText { path, text }), fault);
+        Error::from(fault).into()
+    }
+}
+
+/// The body of a case after its stages, if it has some: one that another case or sweep has left, or else its
+/// own.
+fn at_rest(
+    simulation: &Simulation,
+    (case, key): (&str, &str),
+    folder: &ResultFolder,
+    (hearing, bodies): (&Hearing, &Bodies),
+) -> Result<Option<BodyAtRest>, StudyError> {
+    let slot = bodies.slot(key);
+    // Others that need the same body wait for it here.
+    let mut at_rest = locked(&slot);
+    if at_rest.is_none() {
+        *at_rest = bodies.read(key);
+    }
+    if at_rest.is_none() {
+        let started = Instant::now();
+        let files = folder.stages(simulation.mesh(), simulation.joint_surfaces())?;
+        let told = locked(hearing.watch).stages(case, files);
+        let found = simulation.bring_to_rest(hearing.stop, Some(told));
+        *at_rest = found.map_err(|error| match error {
+            Error::Interrupted { .. } => StudyError::Interrupted,
+            error => error.into(),
+        })?;
+        if let Some(found) = &*at_rest {
+            locked(hearing.watch).at_rest(case, started.elapsed());
+            bodies.write(key, found)?;
+        }
+    }
+    Ok(at_rest.clone())
+}

@@ -1,0 +1,95 @@
+//! Which cases are finished, and of what.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use powerhouse::io::write_summary;
+use serde::{Deserialize, Serialize};
+
+use super::{MARK, OUTCOME};
+use crate::StudyError;
+use crate::mark::{Checksum, Mark};
+
+/// The summary of a run, which every run that writes into a folder replaces.
+const SUMMARY: &str = "summary.json";
+
+/// A case of a sweep, and what its results must be of to count.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Listed {
+    name: String,
+    mark: Mark,
+}
+
+impl Listed {
+    pub(super) fn new(name: &str, mark: &Mark) -> Self {
+        Self {
+            name: name.into(),
+            mark: mark.clone(),
+        }
+    }
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+    /// Whether its folder, in that of the sweep, holds these results and all of them.
+    pub(crate) fn is_finished(&self, sweep: &Path) -> bool {
+        is_finished(&sweep.join(&self.name), &self.mark)
+    }
+}
+
+/// What the folder of a finished case holds beside its results.
+#[derive(Serialize, Deserialize)]
+struct Finished {
+    #[serde(flatten)]
+    mark: Mark,
+    /// Checksum of the summary of the run: another run into the same folder has another one.
+    summary: String,
+}
+
+/// Whether a folder holds the results of a mark and all of them.
+pub(super) fn is_finished(folder: &Path, mark: &Mark) -> bool {
+    let text = fs::read(folder.join(MARK)).unwrap_or_default();
+    let found: Option<Finished> = serde_json::from_slice(&text).ok();
+    found.is_some_and(|found| {
+        let summary = summary_of(folder).ok();
+        found.mark == *mark && Some(found.summary) == summary
+    })
+}
+
+/// Says that a folder holds the results of a mark and all of them.
+///
+/// # Errors
+/// A file that cannot be read or written.
+pub(super) fn finish(folder: &Path, mark: &Mark) -> Result<(), StudyError> {
+    let finished = Finished {
+        mark: mark.clone(),
+        summary: summary_of(folder)?,
+    };
+    Ok(write_summary(&folder.join(MARK), &finished).map_err(powerhouse::Error::from)?)
+}
+
+/// Takes back that a folder holds finished results.
+///
+/// # Errors
+/// A file that cannot be removed.
+pub(super) fn take_back(folder: &Path) -> Result<(), StudyError> {
+    for name in [MARK, OUTCOME] {
+        let file = folder.join(name);
+        match fs::remove_file(&file) {
+            Err(source) if source.kind() != ErrorKind::NotFound => {
+                return Err(StudyError::Read { file, source });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Checksum of the summary of the run in a folder.
+fn summary_of(folder: &Path) -> Result<String, StudyError> {
+    let file = folder.join(SUMMARY);
+    let bytes = fs::read(&file).map_err(|source| StudyError::Read { file, source })?;
+    let mut sum = Checksum::default();
+    sum.add(&bytes);
+    Ok(sum.text())
+}

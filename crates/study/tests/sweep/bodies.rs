@@ -1,0 +1,68 @@
+//! Bodies at rest that cases share.
+
+use super::*;
+
+/// A body at rest comes back from its file to the last bit; a file that is cut short, damaged, or none at
+/// all is refused by name.
+#[test]
+fn a_body_comes_back_from_its_file() {
+    let folder = Folder::new("body");
+    let scene = Scene::case_from_file_with(folder.scene(), "steep", &registry()).unwrap();
+    let body = scene.prepare().unwrap().bring_to_rest(None, None);
+    let body = body.unwrap().unwrap();
+    let file = folder.0.join("rest.body");
+    body.write(&file).unwrap();
+    let back = BodyAtRest::read(&file).unwrap();
+    assert_eq!(back, body);
+    assert!(!body.state().joints.is_empty() && !body.state().history.is_empty());
+    let bytes = std::fs::read(&file).unwrap();
+    let mut damaged = bytes.clone();
+    damaged[bytes.len() / 2] ^= 1;
+    for bad in [&bytes[..bytes.len() - 9], &damaged, b"powerhouse"] {
+        std::fs::write(&file, bad).unwrap();
+        let refused = BodyAtRest::read(&file);
+        assert!(
+            matches!(refused, Err(Error::NotABody { .. })),
+            "{refused:?}"
+        );
+    }
+    let none = BodyAtRest::read(&folder.0.join("none"));
+    assert!(matches!(none, Err(Error::Read { .. })));
+}
+
+/// A case from the shared body at rest moves as the case run by itself, to the last bit.
+#[test]
+fn a_shared_body_moves_as_one_of_its_own() {
+    let folder = Folder::new("shared");
+    let sweep = folder.sweep().lasting(0.02).unwrap();
+    let cases = ["steep", "slanted"].map(str::to_owned);
+    sweep.only(&cases).unwrap().run(None, &mut Silent).unwrap();
+    let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
+    assert_eq!(scene.case(), Some("slanted"));
+    let scene = scene.duration(0.02);
+    let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
+    let shared = read_table(&folder.0.join("out/slanted/histories.csv")).unwrap();
+    for column in &results.histories.columns {
+        let found = shared.iter().find(|other| other.name == column.name);
+        assert_eq!(found.unwrap().values, column.values, "{}", column.name);
+    }
+}
+
+/// A body at rest of another scene is refused with the numbers that do not fit.
+#[test]
+fn a_foreign_body_is_refused() {
+    let folder = Folder::new("foreign");
+    let case = |name: &str| {
+        let scene = Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
+        scene.prepare().unwrap()
+    };
+    let body = case("continuous").bring_to_rest(None, None).unwrap();
+    let hooks = RunHooks {
+        at_rest: body,
+        ..RunHooks::default()
+    };
+    let Err(error) = case("steep").run(hooks) else {
+        panic!("a body of another mesh went unseen")
+    };
+    assert!(matches!(error, Error::ForeignBody { .. }), "{error}");
+}

@@ -1,0 +1,107 @@
+//! What cases are compared by, and the page of them.
+
+use super::*;
+
+/// What the ground alone does at the places of the relative displacements is what a body does that is
+/// ground all over.
+#[test]
+fn the_ground_alone_moves_as_the_waves() {
+    let folder = Folder::new("ground");
+    let place = |text: &str| SCENE.find(text).unwrap();
+    let (joint, support) = (place("[[joint]]"), place("[[support]]"));
+    let (stress, wave) = (place("[in_situ_stress]"), place("[[wave]]"));
+    let (watched, relative) = (place("[[output.joint]]"), place("[[output.relative]]"));
+    let continuous = place("[[case]]\nname = \"continuous\"");
+    let ground = [
+        &SCENE[..joint],
+        &SCENE[support..stress],
+        &SCENE[wave..watched],
+        &SCENE[relative..continuous],
+    ];
+    let longer = ground
+        .concat()
+        .replace("duration = 0.05\n", "duration = 0.15\n");
+    std::fs::write(folder.scene(), longer).unwrap();
+    let cases = folder.sweep().run(None, &mut Silent).unwrap();
+    assert_eq!(cases.len(), 2);
+    for case in &cases {
+        let (moved, ground) = (&case.relative[0], &case.ground[0]);
+        assert_eq!(moved.name, ground.name);
+        assert!(
+            (moved.value / ground.value - 1.0).abs() < 0.02 && ground.value > 1e-4,
+            "{}: {moved:?} {ground:?}",
+            case.name
+        );
+        assert!((moved.time - ground.time).abs() <= 0.0051);
+    }
+}
+
+/// A report is one page that needs nothing beside it: it names every case and carries its plots and the
+/// scene, forces of sections and bolts, spectra of floors, what damaged the structure, and what the cases
+/// say to the paper; that of a single run has its peaks; a folder without results has none.
+#[test]
+fn a_report_needs_nothing_beside_it() {
+    let folder = Folder::new("report");
+    let concrete = "[[material]]\nname = \"concrete\"\nlaw = \"plastic-damage\"\n\
+                    preset = \"paper-c25\"\n[[part]]\nset = \"structure\"\nmaterial = \"concrete\"";
+    let of_rock = "[[part]]\nset = \"structure\"\nmaterial = \"rock\"";
+    let stronger = "[[case]]\nname = \"stronger\"\nvaries = \"pulse\"\n\
+                    boundary = { a = 0.5 }\n";
+    let text = SCENE.replace(of_rock, concrete) + stronger;
+    std::fs::write(folder.scene(), text).unwrap();
+    let sweep = folder.sweep().lasting(0.03).unwrap();
+    sweep.run(None, &mut Silent).unwrap();
+    let page = |path: &Path| std::fs::read_to_string(write_report(path).unwrap()).unwrap();
+    let sweep = page(&folder.0.join("out"));
+    for wanted in [
+        "steep",
+        "slanted",
+        "continuous",
+        "A-O1",
+        "Before the earthquake",
+        "[[case]]",
+        "Section forces",
+        "<td class=\"text\">waist</td>",
+        "Floor response spectra",
+        "<td class=\"text\">O1 z</td>",
+        "pins",
+        "seam-side",
+        "steep: structure damage type",
+        "steep: joint seam over the run",
+        "P at 30 degrees: the joint fails mainly at the arches",
+        "open, without SV 0, SV 15, SV 25, SV 30",
+        "What single choices do",
+        "checksum of scene and files",
+    ] {
+        assert!(sweep.contains(wanted), "{wanted}");
+    }
+    let spectra = read_table(&folder.0.join("out/report/floor-spectra-steep.csv")).unwrap();
+    assert!(spectra.iter().any(|column| column.name == "O1 z 5 %"));
+    let outcomes = read_outcomes(folder.0.join("out")).unwrap();
+    assert_eq!(outcomes.len(), 4);
+    let steep = &outcomes[0];
+    assert_eq!(steep.input.wave(), Some(("p", 0.0)));
+    assert_eq!((steep.bolts.len(), steep.bolts_at_rest.len()), (1, 1));
+    assert!(steep.bolts[0].value >= steep.bolts_at_rest[0].value);
+    let structure = steep.parts.iter().find(|part| part.name == "structure");
+    assert!((structure.unwrap().volume - 216.0).abs() < 1e-9);
+    assert_eq!(
+        (steep.joint_parts.len(), outcomes[2].joint_parts.len()),
+        (1, 0)
+    );
+    assert!(steep.joint_and_lining.is_some() && outcomes[2].joint_and_lining.is_none());
+    let varied = sensitivity(&outcomes);
+    assert_eq!((&*varied[0].case, &*varied[0].base), ("stronger", "steep"));
+    let run = page(&folder.0.join("out/steep"));
+    assert!(run.contains("A-O1.ux"));
+    for text in [&sweep, &run] {
+        assert!(text.contains("src=\"data:image/svg+xml;base64,"));
+        assert!(!text.contains("http") && !text.contains("src=\"/") && !text.contains("<script"));
+        assert!(text.ends_with("</body></html>\n"));
+    }
+    let none = write_report(folder.0.join("nothing")).unwrap_err();
+    assert!(
+        none.to_string().contains("neither a sweep nor a run"),
+        "{none}"
+    );
+}
