@@ -13,6 +13,9 @@ use crate::nodes::{NodalArrays, Storage};
 use crate::sliders::{Slider, Sliders};
 use crate::support::Condition;
 
+/// The mass of a node without elements over the least of one with some, as constraints see it.
+const GHOST: f64 = 1e-12;
+
 /// What a group of nodes that move as one has. Most groups have one member.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
@@ -68,6 +71,14 @@ impl Group {
             MassDampingRule::Implicit => (self.mass + 0.5 * damping, self.mass - 0.5 * damping),
             MassDampingRule::Lagged => (self.mass, self.mass - damping),
         }
+    }
+
+    /// What constraints find in place of [`Coefficients::inverse`] if the group has lost its elements: next
+    /// to nothing in the directions that are free, so that it follows what it is joined to and bears
+    /// nothing. The least mass of a node of the model is `least` (kg).
+    pub(crate) fn ghost(&self, least: f64) -> Option<Mat3> {
+        let nothing = || Mat3::identity() / (GHOST * least);
+        (self.mass <= 0.0).then(|| self.condition.project(&nothing()).0)
     }
 
     /// Whether it is one node with nothing but a mass, and with one.

@@ -83,6 +83,12 @@ impl Dynamics for Model {
     }
 }
 
+/// The least mass of a node that has some (kg); one kilogram if none has.
+pub(crate) fn least_mass(masses: &[f64]) -> f64 {
+    let some = masses.iter().copied().filter(|mass| *mass > 0.0);
+    some.reduce(f64::min).unwrap_or(1.0)
+}
+
 impl Model {
     /// Carries out a kick that still waits for its drift.
     pub(crate) fn settle(&mut self) {
@@ -169,10 +175,14 @@ impl Model {
             }
         }
         with_nodes!(&mut self.nodes, arrays => arrays.set_coefficients(&gain, &decay));
+        let least = least_mass(&self.mass);
         for bound in &mut self.constraints {
-            let own = &self.groups.coefficients[bound.groups.clone()];
-            for (inverse, matrices) in bound.inverse_mass.iter_mut().zip(own) {
-                *inverse = matrices.inverse;
+            let groups = &self.groups.groups[bound.groups.clone()];
+            let own = groups
+                .iter()
+                .zip(&self.groups.coefficients[bound.groups.clone()]);
+            for (inverse, (group, matrices)) in bound.inverse_mass.iter_mut().zip(own) {
+                *inverse = group.ghost(least).unwrap_or(matrices.inverse);
             }
             bound.constraint.prepare(step, &bound.inverse_mass);
         }

@@ -24,7 +24,7 @@ use crate::nodes::Nodes;
 use crate::stable_step::Spectrum;
 
 pub use builder::{ElementChoice, ModelBuilder};
-pub(crate) use dynamics::block_forces;
+pub(crate) use dynamics::{block_forces, least_mass};
 
 /// A constraint with the groups on which it acts.
 pub(crate) struct Bound {

@@ -5,6 +5,7 @@ use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, Vec3};
 use super::{Parts, StaticError};
 use crate::Model;
 use crate::groups::Group;
+use crate::model::least_mass;
 
 /// The length of step (s) in which joints are asked for their tractions at rest; forces do not
 /// depend on it.
@@ -90,6 +91,11 @@ impl Model {
                 continue;
             };
             whole.members.extend_from_slice(&group.members);
+            if whole.mass <= 0.0 {
+                // A node that has lost its elements does not lead: forces on it are dropped.
+                let gone = whole.members.len() - group.members.len();
+                whole.members.rotate_left(gone);
+            }
             whole.mass += group.mass;
             whole.spring += group.spring;
             for &(direction, motion) in &group.condition.prescribed {
@@ -216,15 +222,18 @@ impl Model {
             forces[lead] -= group.spring * (self.displacement_of(lead) - origin);
         }
         self.gather_members(&mut forces);
-        let groups = &self.groups.groups;
+        let (groups, least) = (&self.groups.groups, least_mass(&self.mass));
         let inverse = |node: usize| {
             let group = self.group_of[node].map(|g| &groups[g as usize]);
             let mass = group.map_or(self.mass[node], |group| group.mass);
+            let ghost = group.and_then(|group| group.ghost(least));
             let inverse = match mass > 0.0 {
                 true => Mat3::identity() / mass,
                 false => Mat3::zeros(),
             };
-            group.map_or(inverse, |group| group.condition.project(&inverse).0)
+            ghost.unwrap_or_else(|| {
+                group.map_or(inverse, |group| group.condition.project(&inverse).0)
+            })
         };
         let inverse: Vec<Mat3> = (0..self.mass.len()).map(inverse).collect();
         let mut velocity: Vec<Vec3> = (inverse.iter().zip(&forces))

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::system::System;
 use super::{FORCING, Increment, StaticError, StaticProgress, StaticReport, gradients};
+use crate::model::least_mass;
 use crate::spectrum::{dot, norm};
 
 /// The length of a step in the time of the relaxation (s); nothing depends on it.
@@ -56,6 +57,8 @@ impl Relaxation {
         let mut inverse: Vec<Mat3> = (effective.iter())
             .map(|mass| mass.try_inverse().unwrap_or_else(Mat3::zeros))
             .collect();
+        let masses: Vec<f64> = (0..stiffness.len()).map(mass).collect();
+        let least = least_mass(&masses);
         for group in system.groups() {
             let sum: f64 = group.members.iter().map(|&node| mass(node as usize)).sum();
             let whole = Mat3::identity() * sum + group.spring * (0.25 * STEP * STEP);
@@ -63,6 +66,10 @@ impl Relaxation {
                 inverse[member as usize] = Mat3::zeros();
             }
             let lead = group.members[0] as usize;
+            if let Some(ghost) = group.ghost(least) {
+                inverse[lead] = ghost;
+                continue;
+            }
             let free = whole.try_inverse().unwrap_or_else(Mat3::zeros);
             effective[lead] = whole;
             inverse[lead] = group.condition.project(&free).0;

@@ -10,6 +10,7 @@ mod keys_of_output;
 mod law_points;
 mod law_results;
 mod laws;
+mod lost_sides;
 mod region;
 mod runs;
 mod smaller;
