@@ -70,8 +70,8 @@ impl Bodies {
 }
 
 /// What two cases must share for one body at rest to serve both: version, mesh, supports, joints, the time at
-/// which the motion starts and loads are what they are at rest, faces that absorb, along which rock is elastic, and what the scene and the case say of everything else
-/// that acts before the motion.
+/// which the motion starts and loads are what they are at rest, faces that absorb, along which rock is
+/// elastic, and what the scene and the case say of everything else that acts before the motion.
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
     sum.add(REVISION.as_bytes());
