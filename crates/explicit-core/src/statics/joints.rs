@@ -223,17 +223,13 @@ impl Model {
         }
         self.gather_members(&mut forces);
         let (groups, least) = (&self.groups.groups, least_mass(&self.mass));
-        let inverse = |node: usize| {
-            let group = self.group_of[node].map(|g| &groups[g as usize]);
-            let mass = group.map_or(self.mass[node], |group| group.mass);
-            let ghost = group.and_then(|group| group.ghost(least));
-            let inverse = match mass > 0.0 {
-                true => Mat3::identity() / mass,
-                false => Mat3::zeros(),
-            };
-            ghost.unwrap_or_else(|| {
-                group.map_or(inverse, |group| group.condition.project(&inverse).0)
-            })
+        let free = |mass: f64| Mat3::identity() / mass;
+        let inverse = |node: usize| match self.group_of[node].map(|g| &groups[g as usize]) {
+            Some(group) => {
+                (group.ghost(least)).unwrap_or_else(|| group.condition.project(&free(group.mass)).0)
+            }
+            None if self.mass[node] > 0.0 => free(self.mass[node]),
+            None => Mat3::zeros(),
         };
         let inverse: Vec<Mat3> = (0..self.mass.len()).map(inverse).collect();
         let mut velocity: Vec<Vec3> = (inverse.iter().zip(&forces))

@@ -50,17 +50,22 @@ impl Relaxation {
         for (node, row) in rows.into_iter().flatten() {
             stiffness[node as usize] += row;
         }
-        let mass = |node: usize| SPARE * 0.25 * STEP * STEP * stiffness[node].max();
-        let mut effective: Vec<Mat3> = (0..stiffness.len())
-            .map(|node| Mat3::identity() * mass(node))
+        let masses: Vec<f64> = (stiffness.iter())
+            .map(|rows| SPARE * 0.25 * STEP * STEP * rows.max())
+            .collect();
+        let least = least_mass(&masses);
+        let mut effective: Vec<Mat3> = (masses.iter())
+            .map(|mass| Mat3::identity() * *mass)
             .collect();
         let mut inverse: Vec<Mat3> = (effective.iter())
             .map(|mass| mass.try_inverse().unwrap_or_else(Mat3::zeros))
             .collect();
-        let masses: Vec<f64> = (0..stiffness.len()).map(mass).collect();
-        let least = least_mass(&masses);
         for group in system.groups() {
-            let sum: f64 = group.members.iter().map(|&node| mass(node as usize)).sum();
+            let sum: f64 = group
+                .members
+                .iter()
+                .map(|&node| masses[node as usize])
+                .sum();
             let whole = Mat3::identity() * sum + group.spring * (0.25 * STEP * STEP);
             for &member in &group.members {
                 inverse[member as usize] = Mat3::zeros();
