@@ -275,7 +275,7 @@ fn bay(scene: &Path, window: f64) -> Outcome<PriceTable> {
          coarse bay under SV at 30 degrees; all that it records, against the finest run.",
     );
     let folder = std::env::temp_dir().join("powerhouse-verification-bay");
-    let trade = Trade::of_file(scene, Some(folder))?.window(window);
+    let mut trade = Trade::of_file(scene, Some(folder))?.window(window);
     let report = trade.run(Goal::Front, None, &mut Aloud)?;
     table.rows = report.prices();
     Ok(table)

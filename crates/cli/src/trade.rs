@@ -195,7 +195,7 @@ fn positive(number: &str, scale: f64) -> Option<f64> {
 /// Runs a scene over what it leaves to choose; the exit status is 1 if no run meets the goal.
 pub(crate) fn trade(wishes: Wishes) -> Outcome {
     let goal = wishes.goal();
-    let trade = wishes.trade()?;
+    let mut trade = wishes.trade()?;
     for factor in trade.factors() {
         let names: Vec<&str> = factor
             .levels

@@ -122,7 +122,7 @@ pub enum StaticError {
     /// Forces that do not balance.
     #[error(
         "the forces out of balance stay at {residual:.3e} of the load at {share} of it, most of \
-         all at node {node} (element {element} of set '{set}')"
+         all at node {node} (element {element} of set '{set}'): {way_out}"
     )]
     NotConverged {
         /// Forces out of balance over the load.
@@ -135,6 +135,8 @@ pub enum StaticError {
         element: u64,
         /// That element's set.
         set: String,
+        /// What may find the rest that there is.
+        way_out: &'static str,
     },
     /// The flag was raised that the model [stops on](crate::ModelBuilder::stop_on).
     #[error("interrupted")]

@@ -3,9 +3,9 @@
 use powerhouse_model::{ElementBlock, Mat3, Operator, Quad, Vec3};
 use rayon::prelude::*;
 
-use super::StaticError;
 #[cfg(feature = "direct")]
 use super::freedoms::Freedoms;
+use super::{StaticError, StaticMethod, StaticOptions};
 use crate::Model;
 use crate::groups::Group;
 use crate::nodes::{Storage, with_nodes};
@@ -289,12 +289,12 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Says where most is out of balance.
+    /// Says where most is out of balance after what options permit.
     pub(super) fn not_converged(
         &self,
         residual: &[Vec3],
         relative: f64,
-        share: f64,
+        (options, share): (&StaticOptions, f64),
     ) -> StaticError {
         let mut worst = (0, -1.0);
         for (node, rest) in residual.iter().enumerate() {
@@ -311,6 +311,10 @@ impl<'a> System<'a> {
             node: self.model.node_tag(worst.0),
             element,
             set,
+            way_out: match options.method {
+                StaticMethod::DynamicRelaxation => "more steps may do, if there is a rest",
+                _ => "dynamic relaxation gets through where much of a body yields",
+            },
         }
     }
 }

@@ -171,6 +171,15 @@ impl Factor {
         Self { name, levels, own }
     }
 
+    /// The factor without the levels that are finer than what the scene has; none if there are none.
+    pub(super) fn as_given_at_best(&self) -> Option<Self> {
+        (self.own > 0).then(|| Self {
+            name: self.name,
+            levels: self.levels[self.own..].into(),
+            own: 0,
+        })
+    }
+
     /// The factor with nothing left to choose: what the scene has.
     pub(super) fn fixed(self) -> Self {
         let own = self.levels.into_iter().nth(self.own);

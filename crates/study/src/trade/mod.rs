@@ -7,7 +7,7 @@
 //!
 //! ```no_run
 //! use powerhouse_study::trade::{Goal, Silent, Trade};
-//! let trade = Trade::of_file("data/scenes/cavern_small.toml", None)?;
+//! let mut trade = Trade::of_file("data/scenes/cavern_small.toml", None)?;
 //! let report = trade.run(Goal::Error(0.02), None, &mut Silent)?;
 //! for &place in &report.front {
 //!     let case = &report.cases[place];
@@ -212,13 +212,16 @@ impl Trade {
     /// Runs what is not finished yet, writes a table and a picture, and beside the scene, if a run meets
     /// the goal, the scene of that run.
     ///
+    /// Where a body does not come to rest as closely as the finest tolerance of its stages asks, the
+    /// scene's own is the finest from then on.
+    ///
     /// # Errors
     /// A reference that is refused or fails; [`StudyError::NoClosedForm`]; [`StudyError::StillHistories`];
     /// [`StudyError::Interrupted`] if it
     /// was stopped from outside: what was finished until then stays, and another trade goes on from
     /// there.
     pub fn run(
-        &self,
+        &mut self,
         goal: Goal,
         stop: Option<&Arc<AtomicBool>>,
         watch: &mut dyn TradeWatch,
@@ -286,6 +289,16 @@ impl Trade {
                     failed.push(design);
                     continue;
                 }
+                Err(error @ StudyError::Scene(_)) => {
+                    let Some(finest) = self.give_up_finer_statics() else {
+                        return Err(error);
+                    };
+                    let name = format!("statics {finest}");
+                    watch.fails(&name, &error);
+                    failures.push((name, error.to_string()));
+                    pending = plan::alone(&self.factors).into_iter();
+                    continue;
+                }
                 finished => finished?,
             };
             let reference = match &reference {
@@ -333,6 +346,16 @@ impl Trade {
             self.write(&mut report)?;
         }
         Ok(report)
+    }
+
+    /// Takes what the scene asks of its stages for the finest; gives the name of what was finest, if
+    /// that was finer.
+    fn give_up_finer_statics(&mut self) -> Option<String> {
+        let mut factors = self.factors.iter_mut();
+        let statics = factors.find(|factor| factor.name == "statics")?;
+        let finest = statics.levels.first()?.name.clone();
+        *statics = statics.as_given_at_best()?;
+        Some(finest)
     }
 
     /// What is left of all combinations, those one after the other that share a body: without levels that
