@@ -250,7 +250,7 @@ impl Increment<'_> {
                 return Ok(u);
             }
             if !relative.is_finite() || correction == self.options.corrections {
-                return Err(system.not_converged(&residual, relative, (self.options, self.share)));
+                return Err(system.not_converged(&residual, relative, self));
             }
             correction += 1;
             report.corrections += 1;

@@ -200,11 +200,7 @@ impl Relaxation {
                 return Ok(u);
             }
             if !relative.is_finite() || step == self.most_steps {
-                return Err(system.not_converged(
-                    &net,
-                    relative,
-                    (increment.options, increment.share),
-                ));
+                return Err(system.not_converged(&net, relative, increment));
             }
             step += 1;
             report.steps += 1;

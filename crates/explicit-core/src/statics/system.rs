@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 #[cfg(feature = "direct")]
 use super::freedoms::Freedoms;
-use super::{StaticError, StaticMethod, StaticOptions};
+use super::{Increment, StaticError, StaticMethod};
 use crate::Model;
 use crate::groups::Group;
 use crate::nodes::{Storage, with_nodes};
@@ -289,12 +289,12 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Says where most is out of balance after what options permit.
+    /// Says where most is out of balance after all that an increment may take.
     pub(super) fn not_converged(
         &self,
         residual: &[Vec3],
         relative: f64,
-        (options, share): (&StaticOptions, f64),
+        increment: &Increment,
     ) -> StaticError {
         let mut worst = (0, -1.0);
         for (node, rest) in residual.iter().enumerate() {
@@ -307,11 +307,11 @@ impl<'a> System<'a> {
         let (element, set) = self.model.element_at(worst.0);
         StaticError::NotConverged {
             residual: relative,
-            share,
+            share: increment.share,
             node: self.model.node_tag(worst.0),
             element,
             set,
-            way_out: match options.method {
+            way_out: match increment.options.method {
                 StaticMethod::DynamicRelaxation => "more steps may do, if there is a rest",
                 _ => "dynamic relaxation gets through where much of a body yields",
             },
