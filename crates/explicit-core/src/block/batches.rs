@@ -1,6 +1,6 @@
 //! The elements of a block, batch by batch.
 
-use super::memory::{Places, prefetch};
+use super::memory::{Cache, Places, prefetch};
 use crate::lanes::{Arrangement, BatchScalar};
 
 /// How many batches ahead of their use numbers are asked for.
@@ -52,7 +52,12 @@ impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
         let first = index * width;
         let count = width.min(self.elements - first);
         let numbers = numbers * width;
-        prefetch(self.places.as_slice(), first + AHEAD * width, width);
+        prefetch(
+            Cache::Nearest,
+            self.places.as_slice(),
+            first + AHEAD * width,
+            width,
+        );
         let geometry = if self.geometry.len() == numbers {
             self.geometry
         } else {
@@ -80,7 +85,7 @@ impl<S, const N: usize> Batch<'_, S, N> {
     pub(super) fn ask_ahead(&self, share: usize, of: usize) {
         if !self.ahead.is_empty() {
             let count = self.geometry.len() / of;
-            prefetch(self.ahead, share * count, count);
+            prefetch(Cache::Nearest, self.ahead, share * count, count);
         }
     }
     /// Whether all elements of a batch of a width exist and take part.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use powerhouse_model::{HistoryField, HistoryVariable, Scalar};
 
-use super::memory::prefetch;
+use super::memory::{Cache, prefetch};
 use super::numbers::AlignedNumbers;
 use crate::lanes::{Arrangement, BatchLane, BatchScalar};
 
@@ -93,10 +93,20 @@ impl<S: BatchScalar> History<S> {
         let numbers = self.numbers();
         let side = usize::from(stand.side);
         if !stand.blank {
-            prefetch(self.stores[side].as_slice(), batch * numbers, numbers);
+            prefetch(
+                Cache::Second,
+                self.stores[side].as_slice(),
+                batch * numbers,
+                numbers,
+            );
         }
         if self.stands[like].changed {
-            prefetch(self.stores[1 - side].as_slice(), batch * numbers, numbers);
+            prefetch(
+                Cache::Second,
+                self.stores[1 - side].as_slice(),
+                batch * numbers,
+                numbers,
+            );
         }
     }
 

@@ -18,7 +18,7 @@ use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 pub(super) type PointNumbers<S, const C: usize> = [[S; MOST_LANES]; C];
 
 /// How many batches ahead of their use histories are asked for.
-const AHEAD: usize = 2;
+const AHEAD: usize = 4;
 
 /// Histories of up to so many variables stay on the stack at a small price.
 const USUAL_VARIABLES: usize = 24;

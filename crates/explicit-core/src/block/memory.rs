@@ -6,7 +6,9 @@
 //! and to 47 ns with a panic, because a reader that may stop between any two reads keeps them
 //! apart. Asking ahead takes 132,651 elements in f64 from 43 to 37 ns: a batch reads its geometry
 //! in one burst and then computes for a while, so that the processor's own prefetching starts anew
-//! at every burst.
+//! at every burst. Histories are asked for from further ahead and into the second cache: the nearest
+//! one can wait for few lines at once, and those of a batch with 18 variables are more (a step of
+//! 110,592 elements with flat damping from 65 to 55 ns).
 #![expect(unsafe_code)]
 
 use powerhouse_model::{NodalScalar, Quad};
@@ -81,21 +83,34 @@ impl<'a, A: NodalScalar, const N: usize> NodesOf<'a, A, N> {
     }
 }
 
+/// Where numbers shall be when they are read.
+#[derive(Clone, Copy)]
+pub(super) enum Cache {
+    Nearest,
+    Second,
+}
+
 /// Asks for `slice[start..start + count]`, as far as it exists.
 #[inline(always)]
-pub(super) fn prefetch<T>(slice: &[T], start: usize, count: usize) {
+pub(super) fn prefetch<T>(cache: Cache, slice: &[T], start: usize, count: usize) {
     #[cfg(target_arch = "x86_64")]
     {
-        use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        use core::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
         let first = slice.as_ptr().wrapping_add(start).cast::<i8>();
         let mut offset = 0;
         while offset < count * size_of::<T>() {
+            let line = first.wrapping_add(offset);
             // SAFETY: every x86-64 processor has the instruction; it neither faults nor changes
             // anything that a program can see, whatever the address.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(offset)) };
+            unsafe {
+                match cache {
+                    Cache::Nearest => _mm_prefetch::<_MM_HINT_T0>(line),
+                    Cache::Second => _mm_prefetch::<_MM_HINT_T1>(line),
+                }
+            }
             offset += LINE;
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (slice, start, count, LINE);
+    let _ = (cache, slice, start, count, LINE);
 }
