@@ -7,7 +7,7 @@ use powerhouse_explicit_core::{StageError, StaticError};
 use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
 use thiserror::Error;
 
-use crate::{MirrorError, RegionError, Results, SceneFault, StagingError};
+use crate::{MirrorError, Problem, RegionError, Results, SceneFault, StagingError};
 
 /// Why a scene cannot be read, composed, run or written.
 #[derive(Debug, Error)]
@@ -230,6 +230,17 @@ pub enum Error {
 }
 
 impl Error {
+    /// The stage whose body did not come to rest, and why it did not, if that is what this tells.
+    pub fn unrest(&self) -> Option<(&str, &StaticError)> {
+        match self {
+            Self::Stage(StageError::Rest { stage, source }) => Some((stage, source)),
+            Self::Scene(fault) => match fault.problem() {
+                Problem::Refused(source) => source.downcast_ref::<Self>()?.unrest(),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
     /// What is wrong with a stage, or with the stages of the scene as a whole.
     pub(crate) fn staging(stage: Option<&str>, source: StagingError) -> Self {
         let stage = stage.map(str::to_owned);

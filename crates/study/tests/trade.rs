@@ -492,6 +492,28 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
     assert!(why.contains("out of balance"), "{why}");
 }
 
+/// A reference whose stage fails for another reason than its tolerance is not tried with a coarser one.
+#[test]
+fn a_reference_that_no_tolerance_helps_is_told_at_once() {
+    let floating = "[[stage]]\nname = \"nothing\"\ntolerance = 0.02\n[[wave]]";
+    let folder = Folder::new("floating", &SCENE.replace("[[wave]]", floating));
+    let mut watch = Failures::default();
+    let mut trade = folder.trade().only(&["statics"]).unwrap();
+    let error = trade.run(Goal::Front, None, &mut watch).err().unwrap();
+    assert!(error.to_string().contains("freely"), "{error}");
+    assert_eq!(watch.0, 0, "{error}");
+}
+
+/// Counts what fails.
+#[derive(Default)]
+struct Failures(usize);
+
+impl TradeWatch for Failures {
+    fn fails(&mut self, _name: &str, _error: &StudyError) {
+        self.0 += 1;
+    }
+}
+
 /// A scene that records nothing has nothing to be compared by.
 #[test]
 fn a_scene_without_histories_is_refused() {

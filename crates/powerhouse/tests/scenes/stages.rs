@@ -6,8 +6,8 @@ use powerhouse::boundary::ViscousSpring;
 use powerhouse::contact::{BondedCoulomb, JointSurface, SurfaceOptions};
 use powerhouse::engine::observe::Motion;
 use powerhouse::engine::{
-    BoltLine, BoltParameters, BoltPattern, FacePressure, NodalForce, Profile, StaticOptions,
-    StressField, Support,
+    BoltLine, BoltParameters, BoltPattern, FacePressure, NodalForce, Profile, StaticError,
+    StaticOptions, StressField, Support,
 };
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::material::LinearElastic;
@@ -468,6 +468,14 @@ fn a_stage_without_rest_is_named() {
         + 1;
     assert_eq!(fault.position(), (line, 8), "{fault}");
     assert!(fault.to_string().contains("freely"), "{fault}");
+    let error = Error::from(*fault);
+    assert!(
+        matches!(
+            error.unrest(),
+            Some(("ground", StaticError::Floating { .. }))
+        ),
+        "{error}"
+    );
 }
 
 /// Joints may be tied in a stage whatever their law admits, and then start as their law says; they may

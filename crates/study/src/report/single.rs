@@ -16,7 +16,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     };
     let mut page = Page::new(title);
     page.section("Run");
-    page.paragraph(&tables::repetition(&summary));
+    page.paragraph(&tables::repetition(&[&summary]));
     let real = |key: &str| rounded(summary[key].as_f64().unwrap_or(0.0));
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     page.table(&Table {

@@ -62,8 +62,8 @@ impl Sweep<'_> {
 
     fn runs(&self, page: &mut Page) {
         page.section("Cases");
-        let first = &self.cases[0];
-        page.paragraph(&tables::repetition(&first.summary));
+        let summaries: Vec<_> = self.cases.iter().map(|case| &case.summary).collect();
+        page.paragraph(&tables::repetition(&summaries));
         page.table(&tables::cases(self.cases));
         if let Some(stages) = tables::stages(self.cases) {
             page.section("Before the earthquake");

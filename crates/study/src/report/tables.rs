@@ -12,16 +12,24 @@ fn head(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-/// What is needed to repeat a run.
-pub(super) fn repetition(summary: &Value) -> String {
-    let text = |key: &str| summary[key].as_str().unwrap_or("?").to_owned();
-    let count = |key: &str| summary[key].as_u64().unwrap_or(0);
+/// What is needed to repeat a run, or the runs of a sweep.
+pub(super) fn repetition(summaries: &[&Value]) -> String {
+    let software = summaries[0]["software"].as_str().unwrap_or("?");
+    let counts = |key: &str| {
+        let counts = summaries.iter().filter_map(|summary| summary[key].as_u64());
+        match (counts.clone().min(), counts.max()) {
+            (Some(least), Some(most)) if least < most => format!("{least} to {most}"),
+            (least, _) => least.unwrap_or(0).to_string(),
+        }
+    };
+    let (elements, nodes) = (counts("elements"), counts("nodes"));
+    let mesh = match elements.contains(' ') {
+        true => format!("meshes of {elements} elements and {nodes} nodes"),
+        false => format!("a mesh of {elements} elements and {nodes} nodes"),
+    };
     format!(
-        "Computed by {} on a mesh of {} elements and {} nodes. The scene as it was run stands at the \
-         end; with it and the files that it names the results come again to the last bit.",
-        text("software"),
-        count("elements"),
-        count("nodes"),
+        "Computed by {software} on {mesh}. The scene as it was run stands at the end; with it and the \
+         files that it names the results come again to the last bit."
     )
 }
 
@@ -36,6 +44,7 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
         };
         vec![
             outcome.name.clone(),
+            case.summary["elements"].as_u64().unwrap_or(0).to_string(),
             rounded(outcome.end),
             outcome.steps.to_string(),
             rounded(1e3 * outcome.step),
@@ -48,6 +57,7 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
     Table {
         head: head(&[
             "case",
+            "elements",
             "end (s)",
             "steps",
             "step (ms)",
@@ -60,27 +70,44 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
     }
 }
 
-/// The stages of the first case that has some.
+/// The stages of the cases, once for those that share them.
 pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
-    let stages = cases.iter().find_map(|case| {
-        let stages = case.summary["stages"].as_array()?;
-        (!stages.is_empty()).then_some(stages)
-    })?;
-    let count = |stage: &Value, key: &str| stage[key].as_u64().unwrap_or(0).to_string();
-    let rows = stages.iter().map(|stage| {
-        let real = |key: &str| rounded(stage[key].as_f64().unwrap_or(0.0));
-        vec![
-            stage["name"].as_str().unwrap_or("").into(),
-            count(stage, "excavated"),
-            count(stage, "cast"),
-            count(stage, "increments"),
-            count(stage, "corrections"),
-            real("residual"),
-            rounded(1e3 * stage["largest_displacement"].as_f64().unwrap_or(0.0)),
-        ]
+    let of_case = |case: &CaseFiles| case.summary["stages"].as_array().cloned();
+    let mut shared: Vec<(Vec<Value>, Vec<&str>)> = Vec::new();
+    for case in cases {
+        let stages = of_case(case).filter(|stages| !stages.is_empty());
+        let Some(stages) = stages else { continue };
+        let name = case.outcome.name.as_str();
+        match shared.iter_mut().find(|(known, _)| *known == stages) {
+            Some((_, names)) => names.push(name),
+            None => shared.push((stages, vec![name])),
+        }
+    }
+    let rows = shared.iter().flat_map(|(stages, names)| {
+        let cases = match names.as_slice() {
+            [one] => (*one).to_owned(),
+            [first, others @ ..] => format!("{first} and {} more", others.len()),
+            [] => String::new(),
+        };
+        stages.iter().map(move |stage| {
+            let count = |key: &str| stage[key].as_u64().unwrap_or(0).to_string();
+            let real = |key: &str| stage[key].as_f64().unwrap_or(0.0);
+            vec![
+                cases.clone(),
+                stage["name"].as_str().unwrap_or("").into(),
+                count("excavated"),
+                count("cast"),
+                count("increments"),
+                count("corrections"),
+                rounded(real("residual")),
+                rounded(1e3 * real("largest_displacement")),
+            ]
+        })
     });
-    Some(Table {
+    let rows: Vec<Vec<String>> = rows.collect();
+    (!rows.is_empty()).then(|| Table {
         head: head(&[
+            "cases",
             "stage",
             "excavated",
             "cast",
@@ -89,7 +116,7 @@ pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
             "residual",
             "largest displacement (mm)",
         ]),
-        rows: rows.collect(),
+        rows,
     })
 }
 
@@ -337,5 +364,29 @@ pub(super) fn joints(cases: &[CaseFiles], of: impl Fn(&CaseOutcome) -> &Vec<Join
             "largest opening (mm)",
         ]),
         rows: rows.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::repetition;
+
+    /// Cases may have meshes of their own.
+    #[test]
+    fn sizes_of_meshes_are_told_as_a_range() {
+        let summary = |elements: u64, nodes: u64| json!({ "software": "powerhouse", "elements": elements, "nodes": nodes });
+        let [coarse, fine] = [summary(15840, 19494), summary(130088, 144960)];
+        let same = repetition(&[&coarse, &coarse]);
+        assert!(
+            same.contains(" on a mesh of 15840 elements and 19494 nodes."),
+            "{same}"
+        );
+        let both = repetition(&[&fine, &coarse]);
+        assert!(
+            both.contains(" on meshes of 15840 to 130088 elements and 19494 to 144960 nodes."),
+            "{both}"
+        );
     }
 }

@@ -43,6 +43,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use powerhouse::engine::StaticError;
 use powerhouse::io::TableColumn;
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{Registry, Scene};
@@ -289,8 +290,10 @@ impl Trade {
                     failed.push(design);
                     continue;
                 }
-                Err(error @ StudyError::Scene(_)) => {
-                    let Some(finest) = self.give_up_finer_statics() else {
+                Err(StudyError::Scene(error)) => {
+                    let finest = self.give_up_finer_statics(&error);
+                    let error = StudyError::from(error);
+                    let Some(finest) = finest else {
                         return Err(error);
                     };
                     let name = format!("statics {finest}");
@@ -348,9 +351,16 @@ impl Trade {
         Ok(report)
     }
 
-    /// Takes what the scene asks of its stages for the finest; gives the name of what was finest, if
-    /// that was finer.
-    fn give_up_finer_statics(&mut self) -> Option<String> {
+    /// Where the error is a stage that does not come to rest as closely as it shall, takes what the scene
+    /// asks of its stages for the finest; gives the name of what was finest, if that was finer.
+    fn give_up_finer_statics(&mut self, error: &powerhouse::Error) -> Option<String> {
+        let (_, reason) = error.unrest()?;
+        if !matches!(
+            reason,
+            StaticError::NotConverged { .. } | StaticError::LinearSolver { .. }
+        ) {
+            return None;
+        }
         let mut factors = self.factors.iter_mut();
         let statics = factors.find(|factor| factor.name == "statics")?;
         let finest = statics.levels.first()?.name.clone();

@@ -59,6 +59,8 @@ fn a_report_needs_nothing_beside_it() {
         "continuous",
         "A-O1",
         "Before the earthquake",
+        "on a mesh of 128 elements and ",
+        "<td class=\"text\">steep and 2 more</td>",
         "[[case]]",
         "Section forces",
         "<td class=\"text\">waist</td>",
