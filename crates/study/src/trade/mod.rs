@@ -36,6 +36,7 @@ mod misfit;
 mod plan;
 mod quantity;
 mod report;
+mod window;
 mod written;
 
 use std::path::{Path, PathBuf};
@@ -45,7 +46,6 @@ use std::time::Duration;
 
 use powerhouse::engine::StaticError;
 use powerhouse::io::TableColumn;
-use powerhouse::wavefield::TimeHistory;
 use powerhouse::{Registry, Scene};
 use toml::{Table, Value};
 
@@ -60,11 +60,8 @@ use plan::{Design, Outlook};
 use quantity::Compared;
 pub use quantity::Quantity;
 pub use report::{Goal, MeshError, Reference, Silent, TradeCase, TradeReport, TradeWatch};
+use window::window;
 
-/// Share of a record's intensity that a window holds, and what is added of the duration for the waves
-/// to cross the body.
-const SHARE_OF_INTENSITY: f64 = 0.5;
-const SHARE_ADDED: f64 = 0.1;
 /// Elements half the size: so many times as many, and as many times the steps.
 const OF_HALF_THE_SIZE: (u32, u32) = (8, 2);
 /// Error of a mesh over the difference from one of half the size, of second order.
@@ -587,24 +584,4 @@ impl Trade {
         });
         Some(coarser?.error / 3.0)
     }
-}
-
-/// Time until half of the records' intensity has come, and a tenth of the duration more; the duration
-/// if that is shorter, or waves are pulses.
-fn window(scene: &Scene) -> f64 {
-    let until = |history: &TimeHistory| {
-        let samples = history.acceleration();
-        let whole: f64 = samples.iter().map(|a| a * a).sum();
-        let mut sum = 0.0;
-        let place = samples.iter().position(|a| {
-            sum += a * a;
-            sum >= SHARE_OF_INTENSITY * whole
-        });
-        place.unwrap_or(samples.len()) as f64 * history.step()
-    };
-    let duration = scene.run_duration();
-    let latest = scene.records().values().map(until).reduce(f64::max);
-    latest.map_or(duration, |latest| {
-        duration.min(latest + SHARE_ADDED * duration)
-    })
 }
