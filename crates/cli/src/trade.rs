@@ -247,6 +247,11 @@ fn tell(report: &TradeReport) {
             mesh.error, mesh.worst
         );
     }
+    if let Some(window) = report.foreseen {
+        println!(
+            "errors are those of the first {window} s: what yields, cracks or slips later may err by more"
+        );
+    }
     if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
         println!("chosen: {}", case.name);
     }

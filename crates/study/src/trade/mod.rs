@@ -84,6 +84,8 @@ pub struct Trade {
     folder: PathBuf,
     duration: f64,
     window: f64,
+    /// Whether what yields, cracks or slips may go on doing so.
+    remembers: bool,
     reference: Reference,
     compared: Compared,
     mesh_error: bool,
@@ -123,6 +125,8 @@ impl Trade {
             folder: folder.unwrap_or(own),
             duration: scene.run_duration(),
             window: window(&scene),
+            remembers: scene.joints().next().is_some()
+                || scene.parts().iter().any(|part| !part.material.is_linear()),
             reference: Reference::Finest,
             compared,
             mesh_error: false,
@@ -327,6 +331,7 @@ impl Trade {
             failed: failures,
             reference_error: of_reference,
             mesh: None,
+            foreseen: (self.remembers && self.window < self.duration).then_some(self.window),
             chosen,
             files: Vec::new(),
         };
