@@ -27,6 +27,8 @@ pub struct PriceTable {
     pub about: &'static str,
     /// The ways and what they came to; costs are told over that of the first one.
     pub rows: Vec<Price>,
+    /// The relative error of what errors are measured against; those below it are drawn there.
+    pub uncertainty: f64,
 }
 
 impl PriceTable {
@@ -38,6 +40,7 @@ impl PriceTable {
             title,
             about,
             rows: Vec::new(),
+            uncertainty: 0.0,
         }
     }
 
@@ -53,11 +56,18 @@ impl PriceTable {
     #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = format!("\n## {}\n\n{}\n\n", self.title, self.about);
+        if self.uncertainty > 0.0 {
+            // Writing to a string does not fail.
+            let _ = writeln!(
+                text,
+                "What errors are measured against errs by {:.1e} itself.\n",
+                self.uncertainty
+            );
+        }
         text += "| choice | relative error | cost |\n|---|---|---|\n";
         let front = price_front(&self.rows);
         for (place, row) in self.relative().iter().enumerate() {
             let mark = if front.contains(&place) { "**" } else { "" };
-            // Writing to a string does not fail.
             let _ = writeln!(
                 text,
                 "| {mark}{}{mark} | {:.2e} | {:.2} |",
@@ -79,7 +89,14 @@ impl PriceTable {
     pub fn draw(&self, folder: &Path) -> Outcome<()> {
         let file = folder.join(format!("{}.svg", self.name));
         let cost = ("wall time over that of the first choice", "1");
-        Ok(draw_prices(&file, self.title, cost, &self.relative(), 0.0)?)
+        let uncertainty = self.uncertainty;
+        Ok(draw_prices(
+            &file,
+            self.title,
+            cost,
+            &self.relative(),
+            uncertainty,
+        )?)
     }
 
     /// The rows with their costs over that of the first one.

@@ -21,7 +21,8 @@ struct Division {
     interrupted: bool,
 }
 
-/// A distorted box that fills no lane evenly, shaken until part of it yields.
+/// A distorted box that fills no lane evenly, shaken until part of it yields; in one lane a part has more
+/// elements than laws are asked for at once.
 fn state(
     material: &Material,
     kernel: SolidKernel,
@@ -42,7 +43,7 @@ fn state(
         let builder = Model::builder(&mesh).elements("rock", factory);
         builder
             .threads(division.threads)
-            .part_size(32)
+            .part_size(48)
             .build()
             .unwrap()
     };

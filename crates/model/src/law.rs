@@ -191,7 +191,8 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     fn medium(&self) -> ElasticMedium;
     /// The history variables at a point, all zero at the start.
     fn history(&self) -> &[HistoryVariable];
-    /// The change of stress (Pa) against the initial stress; writes the new history.
+    /// The change of stress (Pa) against the initial stress; writes the new history, every variable of
+    /// it: what a law finds there means nothing.
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L>;
     /// The law in a motion whose steps have a length (s), for laws that depend on time; itself by
     /// default.
@@ -290,7 +291,7 @@ pub trait PointLaw: Send + Sync {
     fn medium(&self) -> ElasticMedium;
     /// The history variables at a point, all zero at the start.
     fn history(&self) -> &[HistoryVariable];
-    /// The change of stress (Pa) against the initial stress; writes the new history.
+    /// As [`ConstitutiveLaw::stress_change`].
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
     /// As [`ConstitutiveLaw::energy`].
     fn energy(&self, _input: &LawInput<f64>, _new_history: &[f64]) -> Option<LawEnergy<f64>> {

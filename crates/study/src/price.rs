@@ -6,8 +6,8 @@ use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 
 use crate::StudyError;
 
-/// Half the size of a cross, over the width or height of the picture.
-const CROSS: f64 = 0.008;
+/// Half the size of a cross, over width and height of the picture, which is four times as wide as high.
+const CROSS: [f64; 2] = [0.006, 0.024];
 /// Errors below this are drawn here: zero has no place among decades.
 const LEAST: f64 = 1e-9;
 
@@ -63,7 +63,7 @@ pub fn draw_prices(
         let least = values.clone().fold(f64::INFINITY, f64::min);
         (values.fold(f64::NEG_INFINITY, f64::max) - least).max(1.0)
     };
-    let (width, height) = (CROSS * range(0), CROSS * range(1));
+    let [width, height] = [0, 1].map(|axis| CROSS[axis] * range(axis));
     let crosses: Vec<[Vec<f64>; 2]> = (points.iter())
         .map(|[x, y]| {
             [

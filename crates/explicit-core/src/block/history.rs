@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use powerhouse_model::{HistoryField, HistoryVariable, Scalar};
+use powerhouse_model::{HistoryField, HistoryVariable};
 
 use super::memory::{Cache, prefetch};
 use super::numbers::AlignedNumbers;
@@ -17,6 +17,8 @@ struct Stand {
     changed: bool,
     /// Whether the committed history is still all zero.
     blank: bool,
+    /// Whether the last commit changed it.
+    restless: bool,
 }
 
 /// History variables, batch by batch.
@@ -45,6 +47,7 @@ impl<S: BatchScalar> History<S> {
             side: 0,
             changed: false,
             blank: true,
+            restless: false,
         };
         Self {
             variables: variables.to_vec(),
@@ -83,10 +86,10 @@ impl<S: BatchScalar> History<S> {
         Some(&store[batch * numbers..][..numbers])
     }
 
-    /// Asks for the numbers of a batch ahead of their use; and for the place of new ones, if the batch
-    /// `like` it was written.
+    /// Asks for the numbers of a batch ahead of their use; and for the place of the next ones, if what
+    /// laws write goes there.
     #[inline(always)]
-    pub(super) fn ask_ahead(&self, batch: usize, like: usize) {
+    pub(super) fn ask_ahead(&self, batch: usize) {
         let Some(stand) = self.stands.get(batch) else {
             return;
         };
@@ -100,7 +103,7 @@ impl<S: BatchScalar> History<S> {
                 numbers,
             );
         }
-        if self.stands[like].changed {
+        if stand.restless {
             prefetch(
                 Cache::Second,
                 self.stores[1 - side].as_slice(),
@@ -115,20 +118,42 @@ impl<S: BatchScalar> History<S> {
     pub(super) fn retry(&mut self, batch: usize) {
         self.stands[batch].changed = false;
     }
-    /// Takes the new history of one point of a batch, point after point; stored from the first
-    /// point on that differs from the committed one.
+    /// The committed numbers of a batch, none if they are all zero; and the place of the next ones, if
+    /// its history changed in the last step: it will again, and what laws write need not be copied there.
+    #[inline(always)]
+    pub(super) fn both(&mut self, batch: usize) -> (Option<&[S]>, Option<&mut [S]>) {
+        let stand = self.stands[batch];
+        let numbers = self.numbers();
+        let range = batch * numbers..(batch + 1) * numbers;
+        let [first, second] = &mut self.stores;
+        let (held, other) = match stand.side {
+            0 => (first, second),
+            _ => (second, first),
+        };
+        let committed = (!stand.blank).then(|| &held.as_slice()[range.clone()]);
+        let next = stand.restless.then(|| &mut other.as_mut_slice()[range]);
+        (committed, next)
+    }
+    /// Says whether what was written to the place of the next history differs from the committed one, at
+    /// some point so far.
+    #[inline(always)]
+    pub(super) fn took(&mut self, batch: usize, changed: bool) {
+        self.stands[batch].changed = changed;
+    }
+    /// Takes the new history of one point of a batch, point after point, from the first on that differs
+    /// from the committed one.
     #[inline(always)]
     pub(super) fn take<L: BatchLane<Scalar = S>>(
         &mut self,
         batch: usize,
         point: usize,
-        old: &[L],
+        changed: bool,
         new: &[L],
     ) {
+        if !changed {
+            return;
+        }
         if !self.stands[batch].changed {
-            if !differ(old, new) {
-                return;
-            }
             self.begin(batch, point);
         }
         let (start, length) = (batch * self.numbers(), new.len() * L::WIDTH);
@@ -171,6 +196,7 @@ impl<S: BatchScalar> History<S> {
     /// Makes the history of the last forces the committed one.
     pub(super) fn commit(&mut self) {
         for stand in &mut self.stands {
+            stand.restless = stand.changed;
             if stand.changed {
                 stand.side = 1 - stand.side;
                 stand.changed = false;
@@ -263,31 +289,4 @@ impl<S: BatchScalar> History<S> {
         let index = point * self.variables.len() + variable;
         arrangement.place(element % self.width, index, 0)
     }
-}
-
-/// Whether any lane of any number differs, or is not a number.
-///
-/// Where a law changes anything it mostly changes its first variable, so that one is looked at alone.
-#[inline(always)]
-fn differ<L: BatchLane>(old: &[L], new: &[L]) -> bool {
-    let Some(&first) = new.first() else {
-        return false;
-    };
-    let zero = first.constant(0.0);
-    // Below the least positive number there is only zero; NaN is not below it.
-    let single = L::Scalar::from_f64(f64::from_bits(1)).to_f64() == 0.0;
-    let least = first.constant(if single {
-        f64::from(f32::from_bits(1))
-    } else {
-        f64::from_bits(1)
-    });
-    let one = first.constant(1.0);
-    let mut sum = zero;
-    for (h, (old, new)) in old.iter().zip(new).enumerate() {
-        sum = sum + (*new - *old).abs();
-        if h == 0 && first.any(zero.less(zero.select(sum.less(least), one))) {
-            return true;
-        }
-    }
-    first.any(zero.less(zero.select(sum.less(least), one)))
 }

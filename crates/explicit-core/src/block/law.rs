@@ -1,21 +1,19 @@
 //! Laws with their type erased: one call for all points of some batches.
 //!
 //! Kernels are compiled once and laws once, instead of every law into every kernel. A call is for
-//! some batches; strains and stresses pass through the nearest cache.
+//! some batches; strains and stresses pass through an [`Exchange`](super::exchange::Exchange).
 
 use std::sync::Arc;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, LawEnergy, LawInput,
-    ModelError, Strain, Stress, point_stress_change,
+    ModelError, Scalar, Strain, Stress, point_stress_change,
 };
 
 use super::history::History;
+use super::memory::{as_lanes, as_lanes_mut};
 use super::numbers::Aligned;
-use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
-
-/// Numbers of the lanes of a batch at one point, `C` in each lane.
-pub(super) type PointNumbers<S, const C: usize> = [[S; MOST_LANES]; C];
+use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes};
 
 /// How many batches ahead of their use histories are asked for.
 const AHEAD: usize = 4;
@@ -49,18 +47,18 @@ pub(crate) struct Question<'a, 'm, S> {
     pub(super) first: usize,
     /// Points of a batch.
     pub(super) points: usize,
-    /// Strains, batch by batch and point by point.
-    pub(super) strains: &'a [PointNumbers<S, 6>],
+    /// Six strains of each point of each batch in lanes.
+    pub(super) strains: &'a [S],
     /// Six initial stresses (Pa) of each batch in lanes, or nothing.
     pub(super) initial: Option<&'a [S]>,
     /// Widths of the elements of each batch (m).
     pub(super) sizes: &'a [S],
     /// The histories.
     pub(super) memory: &'a mut Memory<'m, S>,
-    /// Where the changes of stress go (Pa), point by point.
-    pub(super) stresses: &'a mut [PointNumbers<S, 6>],
-    /// Where stored, plastic, damage and recovered energy go (J/m3), point by point, if wanted.
-    pub(super) energies: Option<&'a mut [PointNumbers<S, 4>]>,
+    /// Where the six changes of stress go likewise (Pa).
+    pub(super) stresses: &'a mut [S],
+    /// Where stored, plastic, damage and recovered energy go likewise (J/m3), if wanted.
+    pub(super) energies: Option<&'a mut [S]>,
 }
 
 /// What does not depend on the scalar.
@@ -135,7 +133,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> BatchOperation<S> for Answer<'_, '_, M,
         let zero = L::splat(token, 0.0);
         let variables = self.question.memory.get().variables();
         let (mut usual, mut many, mut any);
-        let [old, new]: [&mut [L]; 2] = if variables <= USUAL_VARIABLES {
+        let [blank, staged]: [&mut [L]; 2] = if variables <= USUAL_VARIABLES {
             usual = Aligned([[zero; USUAL_VARIABLES]; 2]);
             usual.0.each_mut().map(|numbers| &mut numbers[..variables])
         } else if variables <= MANY_VARIABLES {
@@ -145,18 +143,19 @@ impl<M: ConstitutiveLaw, S: BatchScalar> BatchOperation<S> for Answer<'_, '_, M,
             any = [(); 2].map(|()| vec![zero; variables]);
             any.each_mut().map(Vec::as_mut_slice)
         };
-        self.all_points(token, old, new)
+        self.all_points(token, blank, staged)
     }
 }
 
 impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
-    /// Asks the law point by point; the old history is zero.
+    /// Asks the law point by point; points without a history have the blank one, and new histories that
+    /// may not have to be stored are staged.
     #[inline(always)]
     fn all_points<L: BatchLane<Scalar = S>>(
         self,
         token: L::Token,
-        old: &mut [L],
-        new: &mut [L],
+        blank: &[L],
+        staged: &mut [L],
     ) -> bool {
         let Question {
             first,
@@ -166,13 +165,19 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             sizes,
             memory,
             stresses,
-            mut energies,
+            energies,
         } = self.question;
-        let zero = L::splat(token, 0.0);
+        let (strains, _) = as_lanes::<L>(token, strains).as_chunks::<6>();
+        let (stresses, _) = as_lanes_mut::<L>(token, stresses).as_chunks_mut::<6>();
+        #[expect(clippy::manual_map, reason = "a closure may be compiled on its own")]
+        let mut energies = match energies {
+            Some(energies) => Some(as_lanes_mut::<L>(token, energies).as_chunks_mut::<4>().0),
+            None => None,
+        };
         let mut initially = Stress::zero(token);
-        // Whether the old history is still all zero.
-        let mut blank = true;
         let mut told = false;
+        let writes = matches!(memory, Memory::Write(_));
+        let length = blank.len() * L::WIDTH;
         for (b, strains) in strains.chunks_exact(points).enumerate() {
             let batch = first + b;
             if let Some(initial) = initial {
@@ -184,29 +189,27 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             if let Memory::Write(history) = &mut *memory {
                 history.retry(batch);
             }
+            let mut changed = false;
             for p in 0..points {
-                if let Some(numbers) = memory.get().committed(batch) {
-                    let numbers = &numbers[p * old.len() * L::WIDTH..];
-                    for (old, numbers) in old.iter_mut().zip(numbers.chunks_exact(L::WIDTH)) {
-                        *old = L::load(token, numbers);
-                    }
-                    blank = false;
-                } else if !blank {
-                    old.fill(zero);
-                    blank = true;
-                }
-                let mut strain = Strain([size; 6]);
-                for i in 0..6 {
-                    strain.0[i] = L::load(token, &strains[p][i]);
-                }
-                let input = LawInput::new(strain, old)
+                let (committed, next) = match &mut *memory {
+                    Memory::Read(history) => (history.committed(batch), None),
+                    Memory::Write(history) => history.both(batch),
+                };
+                let here = p * length..(p + 1) * length;
+                let old = match committed {
+                    Some(numbers) => as_lanes::<L>(token, &numbers[here.clone()]),
+                    None => blank,
+                };
+                let is_staged = next.is_none();
+                let new = match next {
+                    Some(numbers) => as_lanes_mut::<L>(token, &mut numbers[here]),
+                    None => &mut *staged,
+                };
+                let input = LawInput::new(Strain(strains[p]), old)
                     .with_initial(initially)
                     .with_size(size);
-                let stress = L::stress_change(self.law, &input, new);
                 let place = b * points + p;
-                for i in 0..6 {
-                    stress.0[i].store(&mut stresses[place][i]);
-                }
+                stresses[place] = L::stress_change(self.law, &input, new).0;
                 if let Some(energies) = energies.as_deref_mut()
                     && let Some(energy) = L::energy(self.law, &input, new)
                 {
@@ -216,18 +219,47 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                         damage,
                         recovered,
                     } = energy;
-                    let parts = [stored, plastic, damage, recovered];
-                    for i in 0..4 {
-                        parts[i].store(&mut energies[place][i]);
-                    }
+                    energies[place] = [stored, plastic, damage, recovered];
                     told = true;
                 }
+                changed = changed || (writes && differ(old, new));
                 if let Memory::Write(history) = &mut *memory {
-                    history.take(batch, p, old, new);
+                    if is_staged {
+                        history.take(batch, p, changed, staged);
+                    } else {
+                        history.took(batch, changed);
+                    }
                 }
             }
-            memory.get().ask_ahead(batch + AHEAD, batch);
+            memory.get().ask_ahead(batch + AHEAD);
         }
         told
     }
+}
+
+/// Whether any lane of any number differs, or is not a number.
+///
+/// Where a law changes anything it mostly changes its first variable, so that one is looked at alone.
+#[inline(always)]
+fn differ<L: BatchLane>(old: &[L], new: &[L]) -> bool {
+    let Some(&first) = new.first() else {
+        return false;
+    };
+    let zero = first.constant(0.0);
+    // Below the least positive number there is only zero; NaN is not below it.
+    let single = L::Scalar::from_f64(f64::from_bits(1)).to_f64() == 0.0;
+    let least = first.constant(if single {
+        f64::from(f32::from_bits(1))
+    } else {
+        f64::from_bits(1)
+    });
+    let one = first.constant(1.0);
+    let mut sum = zero;
+    for (h, (old, new)) in old.iter().zip(new).enumerate() {
+        sum = sum + (*new - *old).abs();
+        if h == 0 && first.any(zero.less(zero.select(sum.less(least), one))) {
+            return true;
+        }
+    }
+    first.any(zero.less(zero.select(sum.less(least), one)))
 }

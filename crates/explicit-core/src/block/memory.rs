@@ -1,5 +1,5 @@
-//! Reading nodes without a check at every read, and asking for memory ahead of its use: the only
-//! unsafe code of the crate.
+//! Reading nodes without a check at every read, seeing numbers as the lanes that they fill, and asking
+//! for memory ahead of its use: the only unsafe code of the crate.
 //!
 //! What it is worth, on distorted one-point bricks and one thread of a Zen 4 core: the check at
 //! every read takes a step from 24 to 28 ns per element in mixed precision with a benign fallback,
@@ -12,6 +12,8 @@
 #![expect(unsafe_code)]
 
 use powerhouse_model::{NodalScalar, Quad};
+
+use crate::lanes::BatchLane;
 
 /// Bytes of a cache line.
 const LINE: usize = 64;
@@ -82,6 +84,38 @@ impl<'a, A: NodalScalar, const N: usize> NodesOf<'a, A, N> {
         unsafe { self.nodes.get_unchecked(place) }.values
     }
 }
+
+/// Numbers as the lanes that they fill, so that a law reads and writes a history where it is stored: a
+/// step with flat damping, or in which everything yields, takes some 3 % less than with copies.
+///
+/// # Panics
+/// If they do not fill whole lanes.
+#[inline(always)]
+pub(super) fn as_lanes<L: BatchLane>(_token: L::Token, numbers: &[L::Scalar]) -> &[L] {
+    const { assert!(size_of::<L>() == L::WIDTH * size_of::<L::Scalar>()) };
+    // SAFETY: a lane is `WIDTH` numbers and nothing else, since what proves that the processor has its
+    // instructions takes no place; of that proof there is one, since the caller holds it. Any bits are
+    // numbers. `align_to` only yields what begins where a lane may.
+    let (before, lanes, after) = unsafe { numbers.align_to() };
+    assert!(before.is_empty() && after.is_empty(), "{SPLIT}");
+    lanes
+}
+
+/// The same, to be changed.
+///
+/// # Panics
+/// As [`as_lanes`].
+#[inline(always)]
+pub(super) fn as_lanes_mut<L: BatchLane>(_token: L::Token, numbers: &mut [L::Scalar]) -> &mut [L] {
+    const { assert!(size_of::<L>() == L::WIDTH * size_of::<L::Scalar>()) };
+    // SAFETY: as for `as_lanes`; and whatever lane is written leaves numbers.
+    let (before, lanes, after) = unsafe { numbers.align_to_mut() };
+    assert!(before.is_empty() && after.is_empty(), "{SPLIT}");
+    lanes
+}
+
+/// What [`as_lanes`] says when it stops.
+const SPLIT: &str = "numbers fill whole lanes";
 
 /// Where numbers shall be when they are read.
 #[derive(Clone, Copy)]

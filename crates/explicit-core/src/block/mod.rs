@@ -3,6 +3,7 @@
 mod account;
 mod batches;
 mod element_forces;
+mod exchange;
 mod factory;
 mod frequency;
 mod history;
@@ -29,6 +30,7 @@ use crate::Rayleigh;
 use crate::lanes::{Arrangement, BatchScalar, Lanes};
 use account::{Account, StepSums};
 use batches::Batches;
+use exchange::Exchanges;
 use history::History;
 use law::Memory;
 use memory::Places;
@@ -45,6 +47,8 @@ thread_local! {
     /// Where blocks keep their nodes' values while they compute a step: one piece of memory per
     /// thread, which stays in its cache from block to block.
     static SCRATCH: Cell<Locals> = const { Cell::new(Locals::NONE) };
+    /// What passes between kernels and laws, likewise.
+    static EXCHANGES: Cell<Exchanges> = Cell::default();
 }
 
 /// Elements with a kernel of `N` nodes and `P` points and a law, in the scalar `S`.
@@ -232,6 +236,7 @@ where
         let Some(law) = self.law.now() else {
             return self.elastic(nodes, out, survey);
         };
+        let mut exchanges = EXCHANGES.take();
         let operation = Material::<K, A, S, N, P> {
             kernel: &self.kernel,
             law,
@@ -241,12 +246,15 @@ where
             moduli: self.moduli,
             state: self.law_state(),
             history,
+            exchange: S::exchange(&mut exchanges),
             nodes,
             rates,
             out,
             survey,
         };
-        self.lanes.dispatch(operation)
+        let finite = self.lanes.dispatch(operation);
+        EXCHANGES.set(exchanges);
+        finite
     }
 
     /// A displacement by place, since the reference.

@@ -30,6 +30,13 @@ impl<S: Scalar> AlignedNumbers<S> {
             length,
         }
     }
+    /// At least so many; zeros, if they were fewer.
+    #[inline(always)]
+    pub(super) fn grow(&mut self, length: usize) {
+        if self.length < length {
+            *self = Self::zeros(length);
+        }
+    }
     /// All of them.
     #[inline(always)]
     pub(super) fn as_slice(&self) -> &[S] {

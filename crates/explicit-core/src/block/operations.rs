@@ -4,7 +4,8 @@ use powerhouse_model::{ElasticDomain, ElementKernel, Geometry, LawEnergy, Quad, 
 
 use super::account::StepSums;
 use super::batches::Batches;
-use super::law::{BatchLaw, Memory, PointNumbers, Question};
+use super::exchange::Exchange;
+use super::law::{BatchLaw, Memory, Question};
 use super::numbers::Aligned;
 use super::survey::{
     Summary, complementary_energy, each_lane, earlier, linear_energy, step_work, write_all,
@@ -161,6 +162,7 @@ pub(super) struct Material<'a, K, A: BatchScalar, S, const N: usize, const P: us
     pub(super) moduli: Moduli,
     pub(super) state: LawState<'a, S>,
     pub(super) history: Memory<'a, S>,
+    pub(super) exchange: &'a mut Exchange<S>,
     pub(super) nodes: &'a [Quad<A>],
     pub(super) rates: Option<Rates<'a, A, S>>,
     /// By place, if wanted.
@@ -180,120 +182,43 @@ where
     fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut watch = Watch(L::splat(token, 0.0));
-        let mut passed = Aligned(Passed::zeros());
-        let mut kept = Aligned([[[L::splat(token, 0.0); 3]; N]; AT_ONCE]);
         let wants_energy = self.survey.is_some()
             || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
+        let at_once = self.exchange.prepare(N, P, L::WIDTH);
         let count = self.batches.count(L::WIDTH);
-        let at_once = const { if P == 1 { AT_ONCE } else { 1 } };
-        // The batches that the law was asked for last, and whether it told energies.
-        let (mut first, mut end, mut told) = (0, 0, false);
+        // How many of the last batches the law is still to be asked for.
+        let mut kept = 0;
         for index in 0..count {
-            if index >= end {
-                let (modes, strains) = self.deformed::<L>(token, index);
-                if let Some(domain) = self.domain
-                    && let Some(stresses) = self.elastic_answer::<L>(domain, index, &strains)
-                {
-                    let answered = Answered::Elastic;
-                    self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
-                    continue;
-                }
-                (first, end) = (index, count.min(index + at_once));
-                keep(&modes, &mut kept.0[0], &strains, &mut passed.0.strains[0]);
-                for ahead in 1..end - first {
-                    let (modes, strains) = self.deformed::<L>(token, index + ahead);
-                    let passed = &mut passed.0.strains[ahead];
-                    keep(&modes, &mut kept.0[ahead], &strains, passed);
-                }
-                told = self.ask::<L>(first, end - first, wants_energy, &mut passed.0);
+            let (modes, strains) = self.deformed::<L>(token, index);
+            let elastic = self.elastic_answer::<L>(index, &strains);
+            let mut end = index;
+            if elastic.is_none() {
+                self.exchange.keep::<L, N, P>(token, kept, &modes, &strains);
+                kept += 1;
+                end += 1;
             }
-            let place = index - first;
-            let (stresses, energies) = passed.0.answer(token, place, told);
-            let answered = if wants_energy {
-                Answered::Told(energies)
-            } else {
-                Answered::Plain
-            };
-            let modes = kept.0[place];
-            self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
+            if kept == at_once || (kept > 0 && (elastic.is_some() || end == count)) {
+                let first = end - kept;
+                let told = self.ask::<L>(first, kept, wants_energy);
+                for place in 0..kept {
+                    let modes = self.exchange.modes::<L, N>(token, place);
+                    let (stresses, energies) = self.exchange.answer::<L, P>(token, place, told);
+                    let answered = if wants_energy {
+                        Answered::Told(energies)
+                    } else {
+                        Answered::Plain
+                    };
+                    let index = first + place;
+                    self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
+                }
+                kept = 0;
+            }
+            if let Some(stresses) = elastic {
+                let answered = Answered::Elastic;
+                self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
+            }
         }
         watch.all_finite()
-    }
-}
-
-/// Puts modes and strains of a batch down until the law has answered; number by number: as a whole they
-/// would go through memory twice.
-#[inline(always)]
-fn keep<L: BatchLane, const N: usize, const P: usize>(
-    modes: &[[L; 3]; N],
-    kept: &mut [[L; 3]; N],
-    strains: &[Strain<L>; P],
-    passed: &mut [PointNumbers<L::Scalar, 6>; P],
-) {
-    for a in 0..N {
-        for i in 0..3 {
-            kept[a][i] = modes[a][i];
-        }
-    }
-    for p in 0..P {
-        for i in 0..6 {
-            strains[p].0[i].store(&mut passed[p][i]);
-        }
-    }
-}
-
-/// Batches that a law is asked for at once if they have one point per element: asking costs
-/// something, and more would not stay in the nearest cache.
-const AT_ONCE: usize = 4;
-
-/// What passes between kernel and law.
-struct Passed<S, const P: usize> {
-    strains: [[PointNumbers<S, 6>; P]; AT_ONCE],
-    stresses: [[PointNumbers<S, 6>; P]; AT_ONCE],
-    energies: [[PointNumbers<S, 4>; P]; AT_ONCE],
-}
-
-impl<S: BatchScalar, const P: usize> Passed<S, P> {
-    #[inline(always)]
-    fn zeros() -> Self {
-        let zero = S::default();
-        Self {
-            strains: [[[[zero; MOST_LANES]; 6]; P]; AT_ONCE],
-            stresses: [[[[zero; MOST_LANES]; 6]; P]; AT_ONCE],
-            energies: [[[[zero; MOST_LANES]; 4]; P]; AT_ONCE],
-        }
-    }
-    /// Stresses at the points of one of the batches, and their energies if they were told.
-    #[inline(always)]
-    fn answer<L: BatchLane<Scalar = S>>(
-        &self,
-        token: L::Token,
-        place: usize,
-        told: bool,
-    ) -> ([Stress<L>; P], Option<[LawEnergy<L>; P]>) {
-        let mut stresses = [Stress::zero(token); P];
-        let zero = L::splat(token, 0.0);
-        let mut energies = [LawEnergy {
-            stored: zero,
-            plastic: zero,
-            damage: zero,
-            recovered: zero,
-        }; P];
-        for p in 0..P {
-            for i in 0..6 {
-                stresses[p].0[i] = L::load(token, &self.stresses[place][p][i]);
-            }
-            if told {
-                let numbers = &self.energies[place][p];
-                energies[p] = LawEnergy {
-                    stored: L::load(token, &numbers[0]),
-                    plastic: L::load(token, &numbers[1]),
-                    damage: L::load(token, &numbers[2]),
-                    recovered: L::load(token, &numbers[3]),
-                };
-            }
-        }
-        (stresses, if told { Some(energies) } else { None })
     }
 }
 
@@ -325,10 +250,10 @@ where
     #[inline(always)]
     fn elastic_answer<L: BatchLane<Scalar = S>>(
         &mut self,
-        domain: &ElasticDomain,
         batch: usize,
         strains: &[Strain<L>; P],
     ) -> Option<[Stress<L>; P]> {
+        let domain = self.domain?;
         if let Memory::Write(history) = &mut self.history {
             history.retry(batch);
         }
@@ -388,14 +313,18 @@ where
             }
         }
         let volumes = self.kernel.volumes(geometry);
-        let undamaged = || complementary_energy(self.moduli, &volumes, &stresses);
         let asked = !matches!(answered, Answered::Elastic);
-        let energy = match answered {
-            Answered::Told(energies) => Some(Energy::over(&volumes, energies.as_ref(), undamaged)),
-            Answered::Elastic if self.was_booked(index) => {
-                Some(Energy::over(&volumes, None, undamaged))
-            }
+        let points = match answered {
+            Answered::Told(energies) => Some(energies),
+            Answered::Elastic if self.was_booked(index) => Some(None),
             Answered::Elastic | Answered::Plain => None,
+        };
+        let energy = match &points {
+            Some(points) => {
+                let points = points.as_ref();
+                Some(Energy::over(points, self.moduli, &volumes, &stresses))
+            }
+            None => None,
         };
         if let (Some(survey), Some(energy)) = (self.survey.as_deref_mut(), &energy) {
             write_mean(&volumes, &stresses, &batch, survey);
@@ -462,32 +391,28 @@ where
         }
     }
 
-    /// Asks the law for successive batches, whose strains are there already; writes the new
-    /// histories. Yields whether energies were wanted and told.
+    /// Asks the law for successive batches, whose strains are kept; writes the new histories. Yields
+    /// whether energies were wanted and told.
     #[inline(always)]
     fn ask<L: BatchLane<Scalar = S>>(
         &mut self,
         first: usize,
         count: usize,
         wants_energy: bool,
-        passed: &mut Passed<S, P>,
     ) -> bool {
         let initial = self.state.initial;
+        let (strains, stresses, energies) = self.exchange.of_points(P * count, L::WIDTH);
         self.law.answer(
             self.lanes,
             Question {
                 first,
                 points: P,
-                strains: passed.strains[..count].as_flattened(),
+                strains,
                 initial: (!initial.is_empty()).then(|| &initial[6 * first * L::WIDTH..]),
                 sizes: &self.state.size[first * L::WIDTH..],
                 memory: &mut self.history,
-                stresses: passed.stresses[..count].as_flattened_mut(),
-                energies: if wants_energy {
-                    Some(passed.energies[..count].as_flattened_mut())
-                } else {
-                    None
-                },
+                stresses,
+                energies: if wants_energy { Some(energies) } else { None },
             },
         )
     }
@@ -502,12 +427,14 @@ pub(super) struct Energy<L> {
 }
 
 impl<L: BatchLane> Energy<L> {
-    /// Integrates the energies of the points, or takes those of an undamaged medium.
+    /// Integrates the energies of the points, or takes those of an undamaged medium under these
+    /// stresses. No closure tells the latter: it could be compiled on its own, for the oldest processor.
     #[inline(always)]
     fn over<const P: usize>(
-        volumes: &[L; P],
         points: Option<&[LawEnergy<L>; P]>,
-        undamaged: impl FnOnce() -> L,
+        moduli: Moduli,
+        volumes: &[L; P],
+        stresses: &[Stress<L>; P],
     ) -> Self {
         let zero = volumes[0].constant(0.0);
         let mut sum = LawEnergy {
@@ -525,7 +452,7 @@ impl<L: BatchLane> Energy<L> {
                     sum.recovered = point.recovered.mul_add(volume, sum.recovered);
                 }
             }
-            None => sum.stored = undamaged(),
+            None => sum.stored = complementary_energy(moduli, volumes, stresses),
         }
         Self {
             sum,

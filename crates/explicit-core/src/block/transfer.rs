@@ -3,6 +3,7 @@
 use powerhouse_model::{Quad, Scalar, Vec3};
 
 use super::batches::Batch;
+use super::exchange::{Exchange, Exchanges};
 use super::memory::NodesOf;
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES, Rows};
 
@@ -95,21 +96,29 @@ pub(super) struct Locals {
     single: Local<f32>,
 }
 
-/// A storage of nodes.
+/// A scalar that nodes are stored in, and elements computed in.
 pub(super) trait NodeScalar: BatchScalar {
     /// The local values in this storage.
     fn local(locals: &mut Locals) -> &mut Local<Self>;
+    /// The exchange in this scalar.
+    fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<Self>;
 }
 
 impl NodeScalar for f64 {
     fn local(locals: &mut Locals) -> &mut Local<f64> {
         &mut locals.double
     }
+    fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<f64> {
+        &mut exchanges.double
+    }
 }
 
 impl NodeScalar for f32 {
     fn local(locals: &mut Locals) -> &mut Local<f32> {
         &mut locals.single
+    }
+    fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<f32> {
+        &mut exchanges.single
     }
 }
 

@@ -12,7 +12,8 @@ use crate::packs::Pack;
 use crate::random::Random;
 use crate::softening_plasticity::softening;
 
-/// Follows random cyclic strains of four points, wide and one at a time, under an initial stress.
+/// Follows random cyclic strains of four points, wide and one at a time, under an initial stress; what
+/// stands in the place of the new history is another number in the one and none in the other.
 fn same_bits<S, M: ConstitutiveLaw>(law: &M, amplitude: f64)
 where
     S: Lane<Scalar = S, Token = (), Mask = bool> + Scalar,
@@ -35,12 +36,12 @@ where
         }));
         let at = |i: usize| if i < 3 { initial } else { zero };
         let wide_initial = Stress(core::array::from_fn(|i| Pack([at(i); 4])));
-        let mut new = old.clone();
+        let mut new = vec![Pack([S::from_f64(7.0); 4]); variables];
         let input = LawInput::new(input_strain, &old).with_initial(wide_initial);
         let wide = law.stress_change(&input.with_size(Pack([S::from_f64(0.5); 4])), &mut new);
         for lane in 0..4 {
             let single_old: Vec<S> = old.iter().map(|h| h.0[lane]).collect();
-            let mut single_new = single_old.clone();
+            let mut single_new = vec![S::from_f64(f64::NAN); variables];
             let input = LawInput::new(Strain(strains[lane]), &single_old)
                 .with_initial(Stress(core::array::from_fn(at)))
                 .with_size(S::from_f64(0.5));
