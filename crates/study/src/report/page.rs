@@ -169,11 +169,13 @@ impl Page {
     }
 }
 
-/// Words are set as text, and sentences wide; numbers stand under each other.
+/// Words are set as text, as are checksums, and sentences wide; numbers stand under each other.
 fn class(cell: &str) -> &'static str {
+    let is_checksum = cell.len() == 16 && cell.bytes().all(|digit| digit.is_ascii_hexdigit());
     let is_number = cell.starts_with(|first: char| first.is_ascii_digit() || first == '-');
     match cell.len() {
         25.. => " class=\"text wide-text\"",
+        _ if is_checksum => " class=\"text\"",
         _ if is_number || cell.is_empty() => "",
         _ => " class=\"text\"",
     }
@@ -252,6 +254,14 @@ mod tests {
         ] {
             assert_eq!(base64(bytes.as_bytes()), text);
         }
+    }
+
+    /// All cells of a column of checksums are set alike, whichever digit they begin with.
+    #[test]
+    fn checksums_are_no_numbers() {
+        assert_eq!(class("4fcb8c2c015f79b9"), class("c6cdd4256ba2a830"));
+        assert_eq!(class("-1.5 %"), "");
+        assert_ne!(class("sv-30"), "");
     }
 
     /// Nothing that a scene says becomes markup.
