@@ -89,13 +89,13 @@ impl PriceTable {
     pub fn draw(&self, folder: &Path) -> Outcome<()> {
         let file = folder.join(format!("{}.svg", self.name));
         let cost = ("wall time over that of the first choice", "1");
-        let uncertainty = self.uncertainty;
+        let rows = self.relative();
         Ok(draw_prices(
             &file,
             self.title,
             cost,
-            &self.relative(),
-            uncertainty,
+            &rows,
+            self.uncertainty,
         )?)
     }
 

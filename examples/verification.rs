@@ -335,6 +335,12 @@ mod tests {
         }
         let page = table.markdown();
         assert!(page.contains("| **12 bricks** |") && page.contains("24 bricks along an edge"));
+        assert!(!page.contains("itself"), "a closed form has no error");
+        let uncertain = PriceTable {
+            uncertainty: 1.1e-3,
+            ..table
+        };
+        assert!(uncertain.markdown().contains("errs by 1.1e-3 itself"));
     }
 
     /// Energy by crack is the same in any mesh, energy by rates is not.

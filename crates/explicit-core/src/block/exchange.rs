@@ -1,5 +1,7 @@
 //! What passes between kernel and law.
 
+use core::ops::Range;
+
 use powerhouse_model::{LawEnergy, Strain, Stress};
 
 use super::memory::{as_lanes, as_lanes_mut};
@@ -46,12 +48,12 @@ impl<S: BatchScalar> Exchange<S> {
         modes: &[[L; 3]; N],
         strains: &[Strain<L>; P],
     ) {
-        let range = 3 * N * place * L::WIDTH..3 * N * (place + 1) * L::WIDTH;
+        let range = numbers_of(place, 3 * N * L::WIDTH);
         let kept = as_lanes_mut::<L>(token, &mut self.modes.as_mut_slice()[range]);
         for (kept, modes) in kept.as_chunks_mut().0.iter_mut().zip(modes) {
             *kept = *modes;
         }
-        let range = 6 * P * place * L::WIDTH..6 * P * (place + 1) * L::WIDTH;
+        let range = numbers_of(place, 6 * P * L::WIDTH);
         let kept = as_lanes_mut::<L>(token, &mut self.strains.as_mut_slice()[range]);
         for (kept, strain) in kept.as_chunks_mut().0.iter_mut().zip(strains) {
             *kept = strain.0;
@@ -65,7 +67,7 @@ impl<S: BatchScalar> Exchange<S> {
         place: usize,
     ) -> [[L; 3]; N] {
         let mut modes = [[L::splat(token, 0.0); 3]; N];
-        let range = 3 * N * place * L::WIDTH..3 * N * (place + 1) * L::WIDTH;
+        let range = numbers_of(place, 3 * N * L::WIDTH);
         let kept = as_lanes::<L>(token, &self.modes.as_slice()[range]);
         for (modes, kept) in modes.iter_mut().zip(kept.as_chunks().0) {
             *modes = *kept;
@@ -90,7 +92,7 @@ impl<S: BatchScalar> Exchange<S> {
     ) -> ([Stress<L>; P], Option<[LawEnergy<L>; P]>) {
         let zero = L::splat(token, 0.0);
         let mut stresses = [Stress::zero(token); P];
-        let range = 6 * P * place * L::WIDTH..6 * P * (place + 1) * L::WIDTH;
+        let range = numbers_of(place, 6 * P * L::WIDTH);
         let answered = as_lanes::<L>(token, &self.stresses.as_slice()[range]);
         for (stress, answered) in stresses.iter_mut().zip(answered.as_chunks().0) {
             *stress = Stress(*answered);
@@ -104,7 +106,7 @@ impl<S: BatchScalar> Exchange<S> {
             damage: zero,
             recovered: zero,
         }; P];
-        let range = 4 * P * place * L::WIDTH..4 * P * (place + 1) * L::WIDTH;
+        let range = numbers_of(place, 4 * P * L::WIDTH);
         let answered = as_lanes::<L>(token, &self.energies.as_slice()[range]);
         for (energy, answered) in energies.iter_mut().zip(answered.as_chunks().0) {
             let [stored, plastic, damage, recovered] = *answered;
@@ -117,6 +119,12 @@ impl<S: BatchScalar> Exchange<S> {
         }
         (stresses, Some(energies))
     }
+}
+
+/// The numbers of a batch, of so many each.
+#[inline(always)]
+fn numbers_of(place: usize, numbers: usize) -> Range<usize> {
+    place * numbers..(place + 1) * numbers
 }
 
 /// An exchange in either scalar.

@@ -21,6 +21,17 @@ struct Stand {
     restless: bool,
 }
 
+impl Stand {
+    /// The store that holds the committed history, and the other one.
+    #[inline(always)]
+    fn sides<T>(self, [first, second]: &mut [T; 2]) -> (&T, &mut T) {
+        match self.side {
+            0 => (first, second),
+            _ => (second, first),
+        }
+    }
+}
+
 /// History variables, batch by batch.
 ///
 /// Most points of most steps stay as they are: a batch whose history has never changed is not read,
@@ -125,34 +136,20 @@ impl<S: BatchScalar> History<S> {
         let stand = self.stands[batch];
         let numbers = self.numbers();
         let range = batch * numbers..(batch + 1) * numbers;
-        let [first, second] = &mut self.stores;
-        let (held, other) = match stand.side {
-            0 => (first, second),
-            _ => (second, first),
-        };
+        let (held, other) = stand.sides(&mut self.stores);
         let committed = (!stand.blank).then(|| &held.as_slice()[range.clone()]);
         let next = stand.restless.then(|| &mut other.as_mut_slice()[range]);
         (committed, next)
     }
-    /// Says whether what was written to the place of the next history differs from the committed one, at
-    /// some point so far.
+    /// Says that what was written to the place of the next history differs from the committed one.
     #[inline(always)]
-    pub(super) fn took(&mut self, batch: usize, changed: bool) {
-        self.stands[batch].changed = changed;
+    pub(super) fn took(&mut self, batch: usize) {
+        self.stands[batch].changed = true;
     }
     /// Takes the new history of one point of a batch, point after point, from the first on that differs
     /// from the committed one.
     #[inline(always)]
-    pub(super) fn take<L: BatchLane<Scalar = S>>(
-        &mut self,
-        batch: usize,
-        point: usize,
-        changed: bool,
-        new: &[L],
-    ) {
-        if !changed {
-            return;
-        }
+    pub(super) fn take<L: BatchLane<Scalar = S>>(&mut self, batch: usize, point: usize, new: &[L]) {
         if !self.stands[batch].changed {
             self.begin(batch, point);
         }
@@ -170,11 +167,7 @@ impl<S: BatchScalar> History<S> {
         let range = start..start + points * self.variables.len() * self.width;
         let stand = &mut self.stands[batch];
         stand.changed = true;
-        let [first, second] = &mut self.stores;
-        let (from, to) = match stand.side {
-            0 => (first, second),
-            _ => (second, first),
-        };
+        let (from, to) = stand.sides(&mut self.stores);
         to.as_mut_slice()[range.clone()].copy_from_slice(&from.as_slice()[range]);
     }
     /// Takes the new history of one lane of a batch back.
@@ -184,11 +177,7 @@ impl<S: BatchScalar> History<S> {
             return;
         }
         let numbers = self.numbers();
-        let [first, second] = &mut self.stores;
-        let (from, to) = match stand.side {
-            0 => (first, second),
-            _ => (second, first),
-        };
+        let (from, to) = stand.sides(&mut self.stores);
         for place in (batch * numbers + lane..(batch + 1) * numbers).step_by(self.width) {
             to.as_mut_slice()[place] = from.as_slice()[place];
         }

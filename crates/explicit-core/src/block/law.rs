@@ -223,11 +223,11 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                     told = true;
                 }
                 changed = changed || (writes && differ(old, new));
-                if let Memory::Write(history) = &mut *memory {
+                if let (true, Memory::Write(history)) = (changed, &mut *memory) {
                     if is_staged {
-                        history.take(batch, p, changed, staged);
+                        history.take(batch, p, staged);
                     } else {
-                        history.took(batch, changed);
+                        history.took(batch);
                     }
                 }
             }
