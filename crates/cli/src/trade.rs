@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use powerhouse::ProgressHook;
 use powerhouse_study::StudyError;
 use powerhouse_study::trade::{
-    Goal, MeshError, Quantity, Reference, Trade, TradeCase, TradeReport, TradeWatch,
+    Goal, MeshError, Quantity, Reference, Trade, TradeCase, TradeReport, TradeWatch, Unrepeated,
 };
 
 use crate::progress::Display;
@@ -34,6 +34,10 @@ pub(crate) struct Wishes {
     /// The histories whose errors count, such as displacement,relative; all that the scene records by default.
     #[arg(long = "of", value_name = "QUANTITY", value_parser = quantity, value_delimiter = ',')]
     quantities: Vec<Quantity>,
+    /// Count all of these histories. By default those are left out, and named, that waves larger by a
+    /// millionth change by half of the error that is asked for: no choice repeats them.
+    #[arg(long)]
+    every_history: bool,
     /// The factors that are left to choose, such as kernel,precision; the scene decides on the others.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     factors: Vec<String>,
@@ -75,6 +79,9 @@ impl Wishes {
         }
         if self.every_combination {
             trade = trade.exhaustive();
+        }
+        if self.every_history {
+            trade = trade.with_every_history();
         }
         if self.mesh {
             trade = trade.with_mesh_error();
@@ -125,6 +132,13 @@ impl TradeWatch for Told {
         self.display = Some(display);
         Some(hook)
     }
+    fn sets_aside(&mut self, unrepeated: &[Unrepeated]) {
+        self.clear();
+        match unrepeated {
+            [] => println!("  repeats all histories"),
+            several => println!("  {}", left_out(several)),
+        }
+    }
     fn fails(&mut self, _name: &str, error: &StudyError) {
         self.clear();
         println!("  {error}");
@@ -149,6 +163,17 @@ impl TradeWatch for Told {
             mesh.error, mesh.worst
         );
     }
+}
+
+/// Says which histories count nowhere, and why.
+fn left_out(unrepeated: &[Unrepeated]) -> String {
+    let named = unrepeated
+        .iter()
+        .map(|other| format!("{} {:.2} %", other.history, 100.0 * other.change));
+    format!(
+        "left out, since waves larger by a millionth change them so much that no choice repeats them: {}",
+        named.collect::<Vec<String>>().join(", ")
+    )
 }
 
 /// A time (s) in the unit that suits it.
@@ -246,6 +271,9 @@ fn tell(report: &TradeReport) {
             "error of the mesh about {:.1e} ({})",
             mesh.error, mesh.worst
         );
+    }
+    if !report.unrepeated.is_empty() {
+        println!("{}", left_out(&report.unrepeated));
     }
     if let Some(window) = report.foreseen {
         println!(

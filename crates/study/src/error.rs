@@ -69,6 +69,17 @@ pub enum StudyError {
         /// Its length (s).
         window: f64,
     },
+    /// A scene of which nothing that is compared repeats.
+    #[error(
+        "nothing that is compared repeats: waves larger by a millionth change even {history} by {:.2} %; a \
+         shorter window or other quantities may", 100.0 * change
+    )]
+    NothingRepeats {
+        /// The history that changes least.
+        history: String,
+        /// Its relative change.
+        change: f64,
+    },
     /// A scene that would not be the same on smaller elements.
     #[error(
         "on smaller elements the nodal load on '{set}' would act at {more} nodes instead of {nodes}"

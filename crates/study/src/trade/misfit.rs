@@ -10,25 +10,45 @@ const LEAST_STATE: f64 = 1e-6;
 /// The unit of what has none.
 const WITHOUT_UNIT: &str = "1";
 
-/// How far histories are from their reference.
+/// How far a history is from its reference.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Misfit {
-    /// The worst relative L2 difference.
+    /// The relative L2 difference.
     pub(super) error: f64,
-    /// The history that has it.
+    /// The history.
     pub(super) name: String,
 }
 
-/// The relative L2 differences of all histories from their reference; the components of one motion or one
-/// variable at one place count together. Of a unit of which the reference has nothing but zero there is no relative error. The first column of both tables is time; what the reference lacks is passed
-/// over.
+/// The worst of the [misfits] of all histories.
 pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit {
+    let mut worst = Misfit {
+        error: 0.0,
+        name: String::new(),
+    };
+    for other in misfits(reference, found) {
+        if other.error >= worst.error || other.error.is_nan() {
+            worst = other;
+        }
+    }
+    worst
+}
+
+/// The name of the history that a column belongs to: the components of one motion or one variable at one
+/// place are one.
+pub(super) fn history_of(column: &TableColumn) -> String {
+    Group::of(column).name()
+}
+
+/// The relative L2 differences of all histories from their reference; the components of one motion or one
+/// variable at one place count together. Of a unit of which the reference has nothing but zero there is no
+/// relative error. The first column of both tables is time; what the reference lacks is passed over.
+pub(super) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<Misfit> {
     let mut groups: Vec<Group> = Vec::new();
     let ([time, columns @ ..], [other, others @ ..]) = (reference, found) else {
-        return Misfit {
+        return vec![Misfit {
             error: f64::INFINITY,
             name: String::new(),
-        };
+        }];
     };
     for column in columns {
         let Some(same) = others.iter().find(|other| other.name == column.name) else {
@@ -51,27 +71,20 @@ pub(super) fn misfit(reference: &[TableColumn], found: &[TableColumn]) -> Misfit
             }
         }
     }
-    let mut worst = Misfit {
-        error: 0.0,
-        name: String::new(),
-    };
+    let mut misfits = Vec::new();
     for group in &groups {
         let of_kind = groups.iter().filter(|other| other.kind == group.kind);
         let largest = of_kind.fold(0.0, |most, other| other.size.max(most));
         let size = group.size.max(LEAST_SHARE.powi(2) * largest);
         let size = size.max(group.least);
-        if size == 0.0 {
-            continue;
-        }
-        let error = (group.difference / size).sqrt();
-        if error >= worst.error || error.is_nan() {
-            worst = Misfit {
-                error,
-                name: format!("{} [{}]", group.stem, group.kind),
-            };
+        if size != 0.0 {
+            misfits.push(Misfit {
+                error: (group.difference / size).sqrt(),
+                name: group.name(),
+            });
         }
     }
-    worst
+    misfits
 }
 
 /// Squares summed over the components of one motion or one variable at one place.
@@ -102,6 +115,9 @@ impl Group {
             size: 0.0,
             least: 0.0,
         }
+    }
+    fn name(&self) -> String {
+        format!("{} [{}]", self.stem, self.kind)
     }
 }
 

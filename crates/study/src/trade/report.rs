@@ -43,6 +43,8 @@ pub trait TradeWatch {
     fn progress(&mut self) -> Option<ProgressHook<'static>> {
         None
     }
+    /// The histories that do not repeat are known, those that change most first.
+    fn sets_aside(&mut self, _unrepeated: &[Unrepeated]) {}
     /// It failed; the others go on.
     fn fails(&mut self, _name: &str, _error: &StudyError) {}
     /// It is finished.
@@ -82,6 +84,15 @@ impl TradeCase {
     }
 }
 
+/// A history that no choice repeats.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unrepeated {
+    /// The history, such as `crown [m/s2]`.
+    pub history: String,
+    /// The relative L2 change of it in the reference, under waves that are larger by a millionth.
+    pub change: f64,
+}
+
 /// What a mesh errs by, as a run of the reference on elements half the size tells it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshError {
@@ -102,6 +113,8 @@ pub struct TradeReport {
     pub factors: Vec<Factor>,
     /// All runs.
     pub cases: Vec<TradeCase>,
+    /// Histories that no choice repeats, which count nowhere; those that change most first.
+    pub unrepeated: Vec<Unrepeated>,
     /// Levels with which a run was refused or failed, and why.
     pub failed: Vec<(String, String)>,
     /// The estimated error of the reference itself, that of the mesh aside; none if no other step was run.

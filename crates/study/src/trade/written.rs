@@ -21,8 +21,15 @@ impl Trade {
             let of_reference = of_reference.map(|error| format!(", the reference by {error:.1e}"));
             let of_mesh = report.mesh.as_ref();
             let of_mesh = of_mesh.map(|mesh| format!(", the mesh by about {:.1e}", mesh.error));
+            let aside = match &report.unrepeated[..] {
+                [] => String::new(),
+                several => {
+                    let names: Vec<&str> = several.iter().map(|h| h.history.as_str()).collect();
+                    format!("# No choice repeats {}.\n", names.join(", "))
+                }
+            };
             let text = format!(
-                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}){}{}; the whole run takes {:.0} s.\n\n{}",
+                "# {}: {}.\n# Over the first {} s it errs by {:.2e} ({}){}{}; the whole run takes {:.0} s.\n{aside}\n{}",
                 self.path.file_name().unwrap_or_default().to_string_lossy(),
                 case.name,
                 self.window,
