@@ -40,7 +40,7 @@ impl TimeIntegrator for Leapfrog {
         refuse_above(self.name(), limit, step, reason)
     }
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
-        dynamics.forces(ForceTerms::PLAIN, step)?;
+        dynamics.forces(ForceTerms::PLAIN.once(), step)?;
         dynamics.kick(MassDampingRule::Implicit, step)?;
         dynamics.constrain(step)?;
         dynamics.drift(step);
@@ -94,7 +94,7 @@ impl TimeIntegrator for OneSided {
         refuse_above(self.name(), self.stable_step(limits)?, step, reason)
     }
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
-        dynamics.forces(ForceTerms::shifted(-0.5 * step), step)?;
+        dynamics.forces(ForceTerms::shifted(-0.5 * step).once(), step)?;
         dynamics.kick(MassDampingRule::Lagged, step)?;
         dynamics.constrain(step)?;
         dynamics.drift(step);

@@ -388,12 +388,23 @@ impl Stage<'_> {
         self.last || is_due(cadence, self.model.number, self.model.time, step)
     }
 
-    /// Reads the ledger if it is time.
-    fn read_energies(&mut self, step: f64) -> Result<(), RunError> {
+    /// Whether the ledger is read in this step.
+    fn reads_energies(&self, step: f64) -> bool {
         let check = self.energy.map(|check| Cadence::Steps(check.every));
         let of_observers = self.observers.iter().filter(|o| o.fields().energy);
         let mut cadences = of_observers.map(|o| o.cadence()).chain(check);
-        if !cadences.any(|cadence| self.is_due(cadence, step)) {
+        cadences.any(|cadence| self.is_due(cadence, step))
+    }
+
+    /// Whether an observer is due in this step.
+    fn is_shown(&self, step: f64) -> bool {
+        let mut observers = self.observers.iter();
+        observers.any(|observer| self.is_due(observer.cadence(), step))
+    }
+
+    /// Reads the ledger if it is time.
+    fn read_energies(&mut self, step: f64) -> Result<(), RunError> {
+        if !self.reads_energies(step) {
             return Ok(());
         }
         let Some(reading) = self.model.read_ledger(step) else {
@@ -467,7 +478,11 @@ impl Dynamics for Stage<'_> {
     fn time(&self) -> f64 {
         self.model.time()
     }
-    fn forces(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
+    fn forces(&mut self, mut terms: ForceTerms, step: f64) -> Result<(), RunError> {
+        // Where energies and stresses are asked for, the old history is needed once more; with the first
+        // step the ledger begins.
+        let asked = self.done == 0 || self.is_shown(step) || self.reads_energies(step);
+        terms.once = terms.once && !asked;
         self.model.forces(terms, step)
     }
     fn kick(&mut self, mass_damping: MassDampingRule, step: f64) -> Result<(), RunError> {

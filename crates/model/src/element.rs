@@ -146,6 +146,9 @@ pub struct BlockContext<'a> {
     pub damping_shift: f64,
     /// Whether the block must account for its energies in this step.
     pub ledger: bool,
+    /// Whether nothing but a commit follows these forces: neither others from the same history nor a
+    /// question about it. A block may then write the new history over the old one.
+    pub once: bool,
 }
 
 impl<'a> BlockContext<'a> {
@@ -163,7 +166,14 @@ impl<'a> BlockContext<'a> {
             velocity,
             damping_shift: 0.0,
             ledger: false,
+            once: false,
         }
+    }
+    /// The same with or without a commit as the only thing that follows.
+    #[must_use]
+    pub fn with_once(mut self, once: bool) -> Self {
+        self.once = once;
+        self
     }
     /// The same with the stiffness damping shifted (s).
     #[must_use]

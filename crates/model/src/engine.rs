@@ -17,14 +17,29 @@ pub enum MassDampingRule {
 pub struct ForceTerms {
     /// Added to every stiffness damping coefficient (s).
     pub damping_shift: f64,
+    /// Whether no other forces are asked for before the drift.
+    pub once: bool,
 }
 
 impl ForceTerms {
     /// The forces of the equation of motion as it stands.
-    pub const PLAIN: Self = Self { damping_shift: 0.0 };
+    pub const PLAIN: Self = Self {
+        damping_shift: 0.0,
+        once: false,
+    };
     /// With every stiffness damping coefficient shifted (s).
     pub fn shifted(damping_shift: f64) -> Self {
-        Self { damping_shift }
+        Self {
+            damping_shift,
+            ..Self::PLAIN
+        }
+    }
+    /// The same, and no other forces are asked for before the drift: elements may write what they remember
+    /// over what they remembered, which halves the memory that they touch. Forces that are asked for all
+    /// the same go on from there, as after a drift.
+    #[must_use]
+    pub fn once(self) -> Self {
+        Self { once: true, ..self }
     }
 }
 
@@ -105,7 +120,7 @@ pub trait Dynamics {
 ///     fn stable_step(&self, limits: &FrequencyLimits) -> Result<f64, RunError> { Ok(2.0 / limits.highest) }
 ///     fn check(&self, _limits: &FrequencyLimits, _step: f64) -> Result<(), RunError> { Ok(()) }
 ///     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
-///         dynamics.forces(ForceTerms::PLAIN, step)?;
+///         dynamics.forces(ForceTerms::PLAIN.once(), step)?;
 ///         dynamics.kick(MassDampingRule::Implicit, step)?;
 ///         dynamics.constrain(step)?;
 ///         dynamics.drift(step);

@@ -15,6 +15,8 @@ struct Stand {
     side: u8,
     /// Whether the other store holds another history, that of the last forces.
     changed: bool,
+    /// Whether the last forces wrote another history over the committed one.
+    moved: bool,
     /// Whether the committed history is still all zero.
     blank: bool,
     /// Whether the last commit changed it.
@@ -36,7 +38,8 @@ impl Stand {
 ///
 /// Most points of most steps stay as they are: a batch whose history has never changed is not read,
 /// one whose history does not change in a step is not written. Committing turns a batch to its
-/// other store and copies nothing.
+/// other store and copies nothing. Where nothing but a commit follows, the new history goes where the
+/// committed one is: a step then touches one store instead of two.
 #[derive(Debug, Default)]
 pub(super) struct History<S> {
     variables: Vec<HistoryVariable>,
@@ -44,6 +47,8 @@ pub(super) struct History<S> {
     width: usize,
     stores: [AlignedNumbers<S>; 2],
     stands: Vec<Stand>,
+    /// Whether new numbers go over the committed ones.
+    over: bool,
 }
 
 impl<S: BatchScalar> History<S> {
@@ -57,6 +62,7 @@ impl<S: BatchScalar> History<S> {
         let stand = Stand {
             side: 0,
             changed: false,
+            moved: false,
             blank: true,
             restless: false,
         };
@@ -66,12 +72,17 @@ impl<S: BatchScalar> History<S> {
             width,
             stores: [(); 2].map(|()| AlignedNumbers::zeros(numbers)),
             stands: vec![stand; batches],
+            over: false,
         }
     }
 
     /// Numbers per batch.
     fn numbers(&self) -> usize {
         self.points * self.variables.len() * self.width
+    }
+    /// From now on new numbers go over the committed ones, or beside them.
+    pub(super) fn write_over(&mut self, over: bool) {
+        self.over = over;
     }
     /// How many variables a point has.
     #[inline(always)]
@@ -114,7 +125,7 @@ impl<S: BatchScalar> History<S> {
                 numbers,
             );
         }
-        if stand.restless {
+        if stand.restless && !self.over {
             prefetch(
                 Cache::Second,
                 self.stores[1 - side].as_slice(),
@@ -129,8 +140,9 @@ impl<S: BatchScalar> History<S> {
     pub(super) fn retry(&mut self, batch: usize) {
         self.stands[batch].changed = false;
     }
-    /// The committed numbers of a batch, none if they are all zero; and the place of the next ones, if
-    /// its history changed in the last step: it will again, and what laws write need not be copied there.
+    /// The committed numbers of a batch, none if they are all zero; and the place of the next ones, if that
+    /// is another and its history changed in the last step: it will again, and what laws write need not be
+    /// copied there.
     #[inline(always)]
     pub(super) fn both(&mut self, batch: usize) -> (Option<&[S]>, Option<&mut [S]>) {
         let stand = self.stands[batch];
@@ -138,7 +150,7 @@ impl<S: BatchScalar> History<S> {
         let range = batch * numbers..(batch + 1) * numbers;
         let (held, other) = stand.sides(&mut self.stores);
         let committed = (!stand.blank).then(|| &held.as_slice()[range.clone()]);
-        let next = stand.restless.then(|| &mut other.as_mut_slice()[range]);
+        let next = (stand.restless && !self.over).then(|| &mut other.as_mut_slice()[range]);
         (committed, next)
     }
     /// Says that what was written to the place of the next history differs from the committed one.
@@ -150,11 +162,18 @@ impl<S: BatchScalar> History<S> {
     /// from the committed one.
     #[inline(always)]
     pub(super) fn take<L: BatchLane<Scalar = S>>(&mut self, batch: usize, point: usize, new: &[L]) {
-        if !self.stands[batch].changed {
+        if !(self.over || self.stands[batch].changed) {
             self.begin(batch, point);
         }
         let (start, length) = (batch * self.numbers(), new.len() * L::WIDTH);
-        let store = &mut self.stores[usize::from(1 - self.stands[batch].side)];
+        let stand = &mut self.stands[batch];
+        let mut side = 1 - stand.side;
+        if self.over {
+            // Where the history is blank, so is its store.
+            (stand.moved, stand.blank) = (true, false);
+            side = stand.side;
+        }
+        let store = &mut self.stores[usize::from(side)];
         let numbers = &mut store.as_mut_slice()[start + point * length..][..length];
         for (value, numbers) in new.iter().zip(numbers.chunks_exact_mut(L::WIDTH)) {
             value.store(numbers);
@@ -185,7 +204,8 @@ impl<S: BatchScalar> History<S> {
     /// Makes the history of the last forces the committed one.
     pub(super) fn commit(&mut self) {
         for stand in &mut self.stands {
-            stand.restless = stand.changed;
+            stand.restless = stand.changed || stand.moved;
+            stand.moved = false;
             if stand.changed {
                 stand.side = 1 - stand.side;
                 stand.changed = false;

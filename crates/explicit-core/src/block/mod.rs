@@ -327,6 +327,9 @@ where
     ) -> Result<(), ElementFault> {
         let damping = self.coefficient(context);
         self.law.prepare(context.step);
+        // What is switched off keeps its old history.
+        self.history
+            .write_over(context.once && self.active.is_none());
         let mut sums = StepSums::default();
         let booked = context.ledger.then_some((context.step, &mut sums));
         let finite = self.write_forces(displacement, velocity, damping, booked, out);

@@ -132,7 +132,8 @@ impl Model {
                 Storage::view(velocity),
             )
             .with_damping_shift(terms.damping_shift)
-            .with_ledger(ledger.is_some());
+            .with_ledger(ledger.is_some())
+            .with_once(terms.once);
             let buffers = split(forces, lengths);
             let (fault, ()) = rayon::join(
                 || block_forces(blocks, buffers, &context, commit),

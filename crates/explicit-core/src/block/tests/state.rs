@@ -25,6 +25,48 @@ fn history_is_committed_apart() {
     assert_eq!(other.block.history(), saved);
 }
 
+/// Where nothing but a commit follows, the new history goes over the old one: forces and histories have the
+/// same bits, elements that are switched off for a while included.
+#[test]
+fn a_history_is_written_over_where_only_a_commit_follows() {
+    for precision in [Precision::F64, Precision::Mixed] {
+        let options = BlockOptions {
+            precision,
+            ..BlockOptions::default()
+        };
+        let new = || Fixture::new(SolidKernel::Wedge6, Softening(rock()), options);
+        let [mut over, mut beside] = [new(), new()];
+        let count = over.block.elements().len();
+        for step in 0..8 {
+            let active: Vec<bool> = (0..count)
+                .map(|e| e % 3 != 0 || !(3..5).contains(&step))
+                .collect();
+            // A step after which nothing has changed, and one that starts afresh.
+            let amplitude = if step == 6 { 1e-5 } else { 1e-3 };
+            let u = over.noise(step, amplitude);
+            let rest = zeros(u.len());
+            let views = [NodalView::F64(&u), NodalView::F64(&rest)];
+            let context = BlockContext::new((step, 0.0, 1e-4), views[0], views[1]);
+            let mut forces = Vec::new();
+            for (fixture, once) in [(&mut over, true), (&mut beside, false)] {
+                fixture.block.set_active(&active);
+                forces.push(fixture.forces_at(&context.with_once(once)).unwrap());
+                fixture.block.commit();
+            }
+            assert_eq!(forces[0], forces[1], "{precision:?}, step {step}");
+            assert_eq!(over.block.history(), beside.block.history());
+        }
+        // There are not two histories: forces that are asked for again go on from the new one.
+        let (u, more) = (over.noise(9, 1e-4), over.noise(10, 1e-1));
+        let rest = zeros(u.len());
+        let before = over.forces(&u, &rest);
+        let views = [NodalView::F64(&more), NodalView::F64(&rest)];
+        let context = BlockContext::new((9, 0.0, 1e-4), views[0], views[1]).with_once(true);
+        over.forces_at(&context).unwrap();
+        assert!(largest(&over.forces(&u, &rest)) < 0.5 * largest(&before));
+    }
+}
+
 /// Switched-off elements have neither force, mass, stress, energy nor bound, and keep their
 /// history.
 #[test]
