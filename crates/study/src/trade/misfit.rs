@@ -4,8 +4,10 @@ use powerhouse::io::TableColumn;
 
 /// Histories below this share of the largest of their unit are measured against that share of it.
 const LEAST_SHARE: f64 = 1e-3;
-/// What laws remember without a unit, strains and damage, counts against this at least.
+/// What laws remember without a unit, strains and damage, counts against this at least, and against this
+/// share of the largest of its variable: where next to nothing cracks, a hairline more or less is no error.
 const LEAST_STATE: f64 = 1e-6;
+const LEAST_SHARE_OF_STATE: f64 = 0.1;
 
 /// The unit of what has none.
 const WITHOUT_UNIT: &str = "1";
@@ -75,7 +77,11 @@ pub(super) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<M
     for group in &groups {
         let of_kind = groups.iter().filter(|other| other.kind == group.kind);
         let largest = of_kind.fold(0.0, |most, other| other.size.max(most));
-        let size = group.size.max(LEAST_SHARE.powi(2) * largest);
+        let share = match group.least {
+            0.0 => LEAST_SHARE,
+            _ => LEAST_SHARE_OF_STATE,
+        };
+        let size = group.size.max(share.powi(2) * largest);
         let size = size.max(group.least);
         if size != 0.0 {
             misfits.push(Misfit {
@@ -162,6 +168,24 @@ mod tests {
         still[3].values.fill(0.0);
         let found = misfit(&table(&finely, 1.0), &still);
         assert!((found.error - 2e-9 / 5e-3).abs() < 1e-12, "{found:?}");
+    }
+
+    /// A place where next to nothing cracks counts against a tenth of what cracks elsewhere; in metres such a
+    /// place counts against a thousandth.
+    #[test]
+    fn what_hardly_cracks_counts_against_what_does() {
+        let table = |unit: &str, hairline: f64| {
+            vec![
+                TableColumn::new("time", "s", vec![0.0, 1.0]),
+                TableColumn::new("a.damage", unit, vec![0.0, 0.5]),
+                TableColumn::new("b.damage", unit, vec![0.0, hairline]),
+            ]
+        };
+        for (unit, expected) in [("1", 0.02), ("m", 1.0)] {
+            let found = misfit(&table(unit, 1e-3), &table(unit, 2e-3));
+            assert!((found.error - expected).abs() < 1e-12, "{found:?}");
+            assert!(found.name.starts_with("b ["));
+        }
     }
 
     /// What laws remember has no unit: each variable is measured against its own size, components together.

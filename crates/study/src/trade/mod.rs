@@ -24,6 +24,9 @@
 //! to; histories that change by more than half of the error that is asked for (by a hundredth where none is)
 //! are named with this change and left out.
 //!
+//! What laws remember counts against a tenth at least of the largest of the same variable: of a place that next
+//! to nothing happens to an error relative to its own size says as little.
+//!
 //! # Why so
 //! *The mesh stays*, its elements cut in half once if that is asked for. What is compared is everything
 //! else on the same mesh, and less of it; all of that on smaller elements would take sixteen times as long.
