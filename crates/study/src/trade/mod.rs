@@ -261,8 +261,8 @@ impl Trade {
             true => plan::all(&self.factors).len(),
             false => alone.len() + MOST_COMBINATIONS,
         };
-        let nudged = self.nudged_text()?;
-        self.announce(most + usize::from(nudged.is_some()), watch)?;
+        let again = usize::from(self.nudged_text()?.is_some());
+        self.announce(most + again, watch)?;
         let mut bench = Bench {
             stop,
             window: self.window,
@@ -328,7 +328,8 @@ impl Trade {
                 Some(reference) => reference,
                 None => {
                     let mut found = self.reference_of(&finished)?;
-                    if let Some(text) = &nudged {
+                    // Now that the finest tolerance of stages is known.
+                    if let Some(text) = self.nudged_text()? {
                         begun += 1;
                         watch.begins(repeat::NUDGED, begun);
                         let again = (text.as_str(), &finished, goal);
