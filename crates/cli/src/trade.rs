@@ -121,6 +121,7 @@ impl TradeWatch for Told {
         );
     }
     fn begins(&mut self, name: &str, place: usize) {
+        self.clear();
         println!("run {place}: {name}");
     }
     fn kept(&mut self, _name: &str) {

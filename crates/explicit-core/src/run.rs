@@ -479,9 +479,10 @@ impl Dynamics for Stage<'_> {
         self.model.time()
     }
     fn forces(&mut self, mut terms: ForceTerms, step: f64) -> Result<(), RunError> {
-        // Where energies and stresses are asked for, the old history is needed once more; with the first
-        // step the ledger begins.
-        let asked = self.done == 0 || self.is_shown(step) || self.reads_energies(step);
+        // Where energies and stresses are asked for, the old history is needed once more: with the first step
+        // the ledger begins, and after the last one the model may be asked.
+        let [first, shown] = [self.done == 0, self.is_shown(step)];
+        let asked = first || self.last || shown || self.reads_energies(step);
         terms.once = terms.once && !asked;
         self.model.forces(terms, step)
     }

@@ -17,7 +17,7 @@ pub enum MassDampingRule {
 pub struct ForceTerms {
     /// Added to every stiffness damping coefficient (s).
     pub damping_shift: f64,
-    /// Whether no other forces are asked for before the drift.
+    /// Whether the step asks for no other forces and moves by these before it ends.
     pub once: bool,
 }
 
@@ -34,9 +34,9 @@ impl ForceTerms {
             ..Self::PLAIN
         }
     }
-    /// The same, and no other forces are asked for before the drift: elements may write what they remember
-    /// over what they remembered, which halves the memory that they touch. Forces that are asked for all
-    /// the same go on from there, as after a drift.
+    /// The same, for forces that a step asks for once and moves by before it ends: elements may write what
+    /// they remember over what they remembered, which halves the memory that they touch. Forces that are
+    /// asked for all the same, or after an error, go on from there, as after a drift.
     #[must_use]
     pub fn once(self) -> Self {
         Self { once: true, ..self }

@@ -71,8 +71,8 @@ pub enum StudyError {
     },
     /// A scene of which nothing that is compared repeats.
     #[error(
-        "nothing that is compared repeats: waves larger by a millionth change even {history} by {:.2} %; a \
-         shorter window or other quantities may", 100.0 * change
+        "nothing that is compared repeats: waves larger by a millionth change even {history} by {:.1e} %; a \
+         shorter window or other quantities may, or every history is to count", 100.0 * change
     )]
     NothingRepeats {
         /// The history that changes least.

@@ -318,6 +318,22 @@ where
             })
     }
 
+    /// The first element with a force that is not a number, for stresses that were none under a history
+    /// that was written over since.
+    fn fault_of<A: NodeScalar>(&self, forces: &[Quad<A>]) -> Option<ElementFault> {
+        let finite = |place: &u32| {
+            let force = forces[*place as usize].to_vector();
+            force.iter().all(|component| component.is_finite())
+        };
+        let element = (0..self.elements.len()).find(|&element| {
+            self.is_active(element) && !self.places.as_slice()[element].iter().all(finite)
+        });
+        element.map(|element| ElementFault {
+            element: self.elements[element],
+            reason: "a force of its nodes is not finite".into(),
+        })
+    }
+
     fn forces_of<A: NodeScalar>(
         &mut self,
         context: &BlockContext,
@@ -333,7 +349,7 @@ where
         let mut sums = StepSums::default();
         let booked = context.ledger.then_some((context.step, &mut sums));
         let finite = self.write_forces(displacement, velocity, damping, booked, out);
-        if !finite && let Some(fault) = self.fault(context) {
+        if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out)) {
             return Err(fault);
         }
         if context.ledger {

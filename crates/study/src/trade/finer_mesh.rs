@@ -1,12 +1,11 @@
 //! What the mesh of a scene errs by.
 
 use powerhouse::Scene;
-use powerhouse::io::TableColumn;
 use toml::Value;
 
 use super::case::Bench;
 use super::misfit::misfit;
-use super::{MeshError, Silent, Trade, TradeWatch, factor};
+use super::{MeshError, Silent, Trade, TradeWatch, Unrepeated, factor};
 use crate::StudyError;
 
 /// Elements half the size: so many times as many, and as many times the steps.
@@ -50,10 +49,10 @@ impl Trade {
         Ok(text)
     }
 
-    /// What the scene's mesh errs by in the histories of a reference, from its file on smaller elements.
+    /// What the scene's mesh errs by in all histories but some, from its file on smaller elements.
     pub(super) fn error_of_mesh(
         &self,
-        (text, reference): (&str, &[TableColumn]),
+        (text, left_out): (&str, &[Unrepeated]),
         bench: &mut Bench,
         watch: &mut dyn TradeWatch,
     ) -> Result<MeshError, StudyError> {
@@ -61,14 +60,13 @@ impl Trade {
         let design = vec![0; self.factors.len()];
         let coarse = self.finish(&design, bench, &mut Silent, name)?;
         let fine = self.finish_file(text, (folder, folder), bench, (watch, name))?;
-        let mut compared = fine.histories;
-        compared.retain(|column| reference.iter().any(|known| known.name == column.name));
+        let compared = self.compared.among(fine.histories);
         let motions = self.compared.motions(&compared);
         let (truth, order) = match motions.len() {
             0 | 1 => (compared, FIRST_ORDER),
             _ => (motions, SECOND_ORDER),
         };
-        let misfit = misfit(&truth, &coarse.histories);
+        let misfit = misfit(&truth, &coarse.histories, left_out);
         let mesh = MeshError {
             error: order * misfit.error,
             worst: misfit.name,

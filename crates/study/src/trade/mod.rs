@@ -20,8 +20,8 @@
 //! Cracks, impacts and slip can make of a scene one whose motion depends on the last digit: from then on two
 //! runs that differ in nothing but rounding have as little in common as two records of one earthquake. An
 //! error of such a history tells nothing of a choice. Where laws or joints remember, the reference is
-//! therefore run once more under waves that are larger by a millionth, which is less than any record is known
-//! to; histories that change by more than half of the error that is asked for (by a hundredth where none is)
+//! therefore run once more under waves, if some come in, that are larger by a millionth, far less than the
+//! accuracy of any record; histories that change by more than half of the error that is asked for (by a hundredth where none is)
 //! are named with this change and left out.
 //!
 //! What laws remember counts against a tenth at least of the largest of the same variable: of a place that next
@@ -253,10 +253,11 @@ impl Trade {
                 return Err(StudyError::NoClosedForm { reason });
             }
         }
-        let refined = match self.mesh_error {
-            true => Some(self.refined_text()?),
-            false => None,
-        };
+        let refined = self.mesh_error;
+        if refined {
+            // Whether it can be read shows before anything runs.
+            self.refined_text()?;
+        }
         let most = match self.exhaustive {
             true => plan::all(&self.factors).len(),
             false => alone.len() + MOST_COMBINATIONS,
@@ -324,22 +325,12 @@ impl Trade {
                 }
                 finished => finished?,
             };
+            let first = reference.is_none();
             let reference = match &reference {
                 Some(reference) => reference,
-                None => {
-                    let mut found = self.reference_of(&finished)?;
-                    // Now that the finest tolerance of stages is known.
-                    if let Some(text) = self.nudged_text()? {
-                        begun += 1;
-                        watch.begins(repeat::NUDGED, begun);
-                        let again = (text.as_str(), &finished, goal);
-                        unrepeated = self.unrepeated(again, &mut bench, watch)?;
-                        repeat::leave_out(&mut found, &unrepeated)?;
-                    }
-                    reference.insert(found)
-                }
+                None => reference.insert(self.reference_of(&finished)?),
             };
-            let misfit = misfit::misfit(reference, &finished.histories);
+            let misfit = misfit::misfit(reference, &finished.histories, &unrepeated);
             let case = TradeCase {
                 name,
                 levels: design.clone(),
@@ -351,6 +342,25 @@ impl Trade {
             let (error, cost) = (case.error, case.cost.wall_time());
             known.push((design, Outlook { error, cost }));
             cases.push(case);
+            // Now that the finest tolerance of stages is known.
+            let text = match first {
+                true => self.nudged_text()?,
+                false => None,
+            };
+            if let Some(text) = text {
+                begun += 1;
+                watch.begins(repeat::NUDGED, begun);
+                let again = (text.as_str(), reference.as_slice(), goal);
+                match self.unrepeated(again, &mut bench, watch) {
+                    Ok(found) => unrepeated = found,
+                    // What hardly gets through may not with hardly more.
+                    Err(error @ StudyError::Scene(_)) => {
+                        watch.fails(repeat::NUDGED, &error);
+                        failures.push((repeat::NUDGED.into(), error.to_string()));
+                    }
+                    Err(error) => return Err(error),
+                }
+            }
         }
         let chosen = plan::best(&known, (goal, of_reference.unwrap_or(0.0)));
         let mut report = TradeReport {
@@ -368,9 +378,10 @@ impl Trade {
         };
         report.front = price_front(&report.prices());
         self.write(&mut report)?;
-        if let (Some(text), Some(reference)) = (&refined, &reference) {
+        if refined {
             watch.begins(REFINED.0, begun + 1);
-            match self.error_of_mesh((text, reference), &mut bench, watch) {
+            let text = self.refined_text()?;
+            match self.error_of_mesh((&text, &report.unrepeated), &mut bench, watch) {
                 Ok(mesh) => report.mesh = Some(mesh),
                 // Half the size may be too small for a law.
                 Err(error @ StudyError::Scene(_)) => {

@@ -3,7 +3,7 @@
 use powerhouse::io::TableColumn;
 use toml::Value;
 
-use super::case::{Bench, Finished};
+use super::case::Bench;
 use super::factor::{number, tables};
 use super::misfit::{history_of, misfits};
 use super::{Goal, Reference, Trade, TradeWatch, Unrepeated};
@@ -15,9 +15,11 @@ pub(super) const NUDGE: f64 = 1e-6;
 pub(super) const NUDGED: &str = "reference under waves larger by a millionth";
 /// Its folder, after the name of the reference's.
 const FOLDER: &str = "nudged";
-/// Change that a history may show, over the error that is asked for; and where none is.
+/// Change that a history may show, over the error that is asked for; where none is; and over the nudge, which
+/// what is linear shows at least.
 const SHARE_OF_ERROR: f64 = 0.5;
 const WITHOUT_ERROR: f64 = 0.01;
+const LEAST_CHANGE: f64 = 10.0;
 
 impl Trade {
     /// The file of the reference under waves that are hardly changed; none where nothing remembers, no wave
@@ -42,10 +44,13 @@ impl Trade {
         }
     }
 
-    /// The histories of the reference that do not repeat, from its file under waves that are hardly changed.
+    /// The histories of a reference that do not repeat, from its file under waves that are hardly changed.
+    ///
+    /// # Errors
+    /// [`StudyError::NothingRepeats`]; what a run may fail with.
     pub(super) fn unrepeated(
         &self,
-        (text, reference, goal): (&str, &Finished, Goal),
+        (text, reference, goal): (&str, &[TableColumn], Goal),
         bench: &mut Bench,
         watch: &mut dyn TradeWatch,
     ) -> Result<Vec<Unrepeated>, StudyError> {
@@ -57,8 +62,8 @@ impl Trade {
             Goal::Error(error) => SHARE_OF_ERROR * error,
             Goal::Budget(_) | Goal::Front => WITHOUT_ERROR,
         };
-        let reference = self.compared.among(reference.histories.clone());
-        let mut unrepeated: Vec<Unrepeated> = misfits(&reference, &nudged.histories)
+        let limit = limit.max(LEAST_CHANGE * NUDGE);
+        let mut unrepeated: Vec<Unrepeated> = misfits(reference, &nudged.histories)
             .into_iter()
             .filter(|misfit| misfit.error > limit || misfit.error.is_nan())
             .map(|misfit| Unrepeated {
@@ -67,31 +72,31 @@ impl Trade {
             })
             .collect();
         unrepeated.sort_by(|a, b| b.change.total_cmp(&a.change));
+        some_is_left(reference, &unrepeated)?;
         watch.sets_aside(&unrepeated);
         Ok(unrepeated)
     }
 }
 
-/// Leaves histories out of a table.
+/// Fails if nothing that moves is left of a table.
 ///
 /// # Errors
-/// [`StudyError::NothingRepeats`] if no other is there.
-pub(super) fn leave_out(
-    columns: &mut Vec<TableColumn>,
-    unrepeated: &[Unrepeated],
-) -> Result<(), StudyError> {
-    let mut place = 0;
-    columns.retain(|column| {
-        place += 1;
+/// [`StudyError::NothingRepeats`].
+fn some_is_left(columns: &[TableColumn], unrepeated: &[Unrepeated]) -> Result<(), StudyError> {
+    let Some(least) = unrepeated.last() else {
+        return Ok(());
+    };
+    let mut moving = columns.iter().skip(1).filter(|column| {
         let name = history_of(column);
-        place == 1 || unrepeated.iter().all(|other| other.history != name)
+        unrepeated.iter().all(|other| other.history != name)
+            && column.values.iter().any(|value| *value != 0.0)
     });
-    match (columns.len(), unrepeated.last()) {
-        (1, Some(least)) => Err(StudyError::NothingRepeats {
+    match moving.next() {
+        Some(_) => Ok(()),
+        None => Err(StudyError::NothingRepeats {
             history: least.history.clone(),
             change: least.change,
         }),
-        _ => Ok(()),
     }
 }
 
@@ -103,7 +108,7 @@ mod tests {
     use powerhouse::model::{Mesh, Vec3};
 
     use super::*;
-    use crate::trade::{Silent, TradeReport};
+    use crate::trade::{Silent, TradeCase, TradeReport};
 
     /// A block that yields under a pulse.
     const SCENE: &str = r#"
@@ -169,6 +174,22 @@ mod tests {
         names.collect()
     }
 
+    /// Notes what is told.
+    #[derive(Default)]
+    struct Told(Vec<String>);
+
+    impl TradeWatch for Told {
+        fn begins(&mut self, name: &str, place: usize) {
+            self.0.push(format!("{place} {name}"));
+        }
+        fn sets_aside(&mut self, unrepeated: &[Unrepeated]) {
+            self.0.push(format!("{} left out", unrepeated.len()));
+        }
+        fn ends(&mut self, case: &TradeCase) {
+            self.0.push(format!("end of {}", case.name));
+        }
+    }
+
     /// A history that hardly changed waves change much counts nowhere and is named; of the others the error
     /// is told. Waves larger by half change motions by about half and plastic strains by more.
     #[test]
@@ -176,7 +197,12 @@ mod tests {
         let (_folder, mut trade) = trade("half", YIELDING, Some(0.5));
         let text = trade.nudged_text().unwrap().unwrap();
         assert!(text.contains("factor = 3.0"), "{text}");
-        let report = trade.run(Goal::Error(1.6), None, &mut Silent).unwrap();
+        let mut told = Told::default();
+        let report = trade.run(Goal::Error(1.6), None, &mut told).unwrap();
+        let again = format!("2 {NUDGED}");
+        let order = ["1 reference", "end of reference", &again, "2 left out"];
+        assert_eq!(told.0[..4], order);
+        assert_eq!(told.0[4], "3 precision mixed");
         let plastic = ["equivalent_plastic_strain", "plastic_strain"];
         assert_eq!(
             names(&report),
@@ -202,6 +228,41 @@ mod tests {
         let report = trade.run(Goal::Error(1e-4), None, &mut Silent).unwrap();
         assert_eq!(names(&report), [""; 0]);
         assert!(report.cases[1].error > 0.0);
+    }
+
+    /// Where the reference gets through and waves that differ do not, everything counts, and it is told.
+    #[test]
+    fn a_second_run_may_fail() {
+        let (_folder, mut trade) = trade("failing", YIELDING, Some(1e9));
+        let report = trade.run(Goal::Error(0.1), None, &mut Silent).unwrap();
+        assert_eq!(names(&report), [""; 0]);
+        assert_eq!(report.failed.len(), 1);
+        assert_eq!(report.failed[0].0, NUDGED);
+        assert!(report.chosen.is_some());
+    }
+
+    /// A table in which nothing that moves is left is none to choose by.
+    #[test]
+    fn something_that_moves_is_left() {
+        let table = |still: f64| {
+            let column = |name: &str, unit, value| TableColumn::new(name, unit, vec![0.0, value]);
+            [
+                column("time", "s", 1.0),
+                column("a.ax", "m/s2", 1.0),
+                column("b.damage", "1", still),
+            ]
+        };
+        let ringing = [Unrepeated {
+            history: "a [m/s2]".into(),
+            change: 0.3,
+        }];
+        assert!(some_is_left(&table(0.0), &[]).is_ok());
+        assert!(some_is_left(&table(0.1), &ringing).is_ok());
+        let refused = some_is_left(&table(0.0), &ringing).unwrap_err();
+        assert!(
+            refused.to_string().contains("a [m/s2] by 3.0e1 %"),
+            "{refused}"
+        );
     }
 
     /// What remembers nothing repeats: there is no such run, nor where all histories are to count.

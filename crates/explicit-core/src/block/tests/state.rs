@@ -67,6 +67,61 @@ fn a_history_is_written_over_where_only_a_commit_follows() {
     }
 }
 
+/// A stress that is not a number is a fault of its element, even where the history that led to it was written
+/// over and the new one leads to no such stress.
+#[test]
+fn a_fault_is_found_whose_history_is_gone() {
+    /// The stress is none in the step in which the strain first exceeds a hundredth.
+    #[derive(Clone)]
+    struct Flash(ElasticMedium);
+    impl ConstitutiveLaw for Flash {
+        fn name(&self) -> &str {
+            "flash"
+        }
+        fn medium(&self) -> ElasticMedium {
+            self.0
+        }
+        fn history(&self) -> &'static [HistoryVariable] {
+            const { &[HistoryVariable::flags("flashed")] }
+        }
+        #[inline(always)]
+        fn stress_change<L: Lane>(&self, input: &LawInput<L>, new: &mut [L]) -> Stress<L> {
+            let any = input.strain.0[0];
+            let (zero, one) = (any.constant(0.0), any.constant(1.0));
+            let beyond = any.constant(1e-2).less(any.abs());
+            new[0] = one.select(beyond, input.history[0]);
+            let calm = one - (new[0] - input.history[0]);
+            let lambda = any.constant(self.0.lambda());
+            let shear = any.constant(self.0.shear());
+            Stress::elastic(lambda, shear, &input.strain) * ((zero + calm) / calm)
+        }
+    }
+    let mut fixture = Fixture::new(
+        SolidKernel::Hex8Full,
+        Flash(rock()),
+        BlockOptions::default(),
+    );
+    // One corner is pulled.
+    let end = fixture.mesh.positions()[0];
+    let u = fixture.field(|x| Vec3::x() * if *x == end { -0.5 } else { 0.0 });
+    let rest = zeros(u.len());
+    let views = [NodalView::F64(&u), NodalView::F64(&rest)];
+    let context = BlockContext::new((0, 0.0, 1e-4), views[0], views[1]);
+    let element = fixture.mesh.nodes_of(0);
+    assert!(
+        element.contains(&0),
+        "the corner belongs to the first element"
+    );
+    let fault = fixture.forces_at(&context).unwrap_err();
+    assert_eq!(
+        (fault.element, &*fault.reason),
+        (0, "its stress is not finite")
+    );
+    let fault = fixture.forces_at(&context.with_once(true)).unwrap_err();
+    assert_eq!(fault.element, 0);
+    assert!(fault.reason.contains("force"), "{}", fault.reason);
+}
+
 /// Switched-off elements have neither force, mass, stress, energy nor bound, and keep their
 /// history.
 #[test]
