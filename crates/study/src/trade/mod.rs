@@ -21,8 +21,8 @@
 //! runs that differ in nothing but rounding have as little in common as two records of one earthquake. An
 //! error of such a history tells nothing of a choice. Where laws or joints remember, the reference is
 //! therefore run once more under waves, if some come in, that are larger by a millionth, far less than the
-//! accuracy of any record; histories that change by more than half of the error that is asked for (by a hundredth where none is)
-//! are named with this change and left out.
+//! accuracy of any record; histories that change by more than half of the error that is asked for (by a
+//! hundredth where none is) are named with this change and left out.
 //!
 //! What laws remember counts against a tenth at least of the largest of the same variable: of a place that next
 //! to nothing happens to an error relative to its own size says as little.
@@ -253,8 +253,7 @@ impl Trade {
                 return Err(StudyError::NoClosedForm { reason });
             }
         }
-        let refined = self.mesh_error;
-        if refined {
+        if self.mesh_error {
             // Whether it can be read shows before anything runs.
             self.refined_text()?;
         }
@@ -343,11 +342,7 @@ impl Trade {
             known.push((design, Outlook { error, cost }));
             cases.push(case);
             // Now that the finest tolerance of stages is known.
-            let text = match first {
-                true => self.nudged_text()?,
-                false => None,
-            };
-            if let Some(text) = text {
+            if first && let Some(text) = self.nudged_text()? {
                 begun += 1;
                 watch.begins(repeat::NUDGED, begun);
                 let again = (text.as_str(), reference.as_slice(), goal);
@@ -378,7 +373,7 @@ impl Trade {
         };
         report.front = price_front(&report.prices());
         self.write(&mut report)?;
-        if refined {
+        if self.mesh_error {
             watch.begins(REFINED.0, begun + 1);
             let text = self.refined_text()?;
             match self.error_of_mesh((&text, &report.unrepeated), &mut bench, watch) {
