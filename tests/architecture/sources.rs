@@ -155,3 +155,33 @@ fn no_file_names_a_machine() {
         }
     }
 }
+
+/// Nothing but the command's own writer writes to the standard streams: the macros of the standard library
+/// panic where a reader has gone away, and a library has no say there at all. Tests and examples may.
+#[test]
+fn one_place_prints() {
+    let macros = ["println", "print", "eprintln", "eprint", "dbg"].map(|name| [name, "!("].concat());
+    let is_source = |path: &Path| {
+        let parts: Vec<_> = path.strip_prefix(workspace()).unwrap().iter().collect();
+        parts.len() > 2 && parts[0] == "crates" && parts[2] == "src"
+    };
+    let mut printing = Vec::new();
+    for (path, text) in rust_files() {
+        if !is_source(&path) || is_test(&path) {
+            continue;
+        }
+        let (own, _) = text.split_once("#[cfg(test)]").unwrap_or((&text, ""));
+        for (number, line) in own.lines().enumerate() {
+            let code = line.split("//").next().unwrap_or("");
+            let word = |name: &str| {
+                let (before, _) = code.split_once(name)?;
+                let last = before.chars().last();
+                (!last.is_some_and(|c| c.is_alphanumeric() || c == '_')).then_some(())
+            };
+            if macros.iter().any(|name| word(name).is_some()) {
+                printing.push(format!("{}:{}", path.display(), number + 1));
+            }
+        }
+    }
+    assert!(printing.is_empty(), "{printing:#?}");
+}

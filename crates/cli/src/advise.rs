@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use powerhouse_study::{advise_boundary, advise_box};
 
 use crate::{Outcome, WARNED, read};
+use crate::terminal::say_on;
 
 /// A share such as `5%` or `0.05`.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
@@ -22,7 +23,7 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
 /// Names the boundary that a scene needs; the exit status is 1 if none is good enough.
 pub(crate) fn boundary(path: &Path, case: Option<&str>, error: f64) -> Outcome {
     let advice = advise_boundary(&read(path, case)?, error)?;
-    print!("{advice}");
+    say_on!("{advice}");
     Ok(match advice.named() {
         Some(_) => ExitCode::SUCCESS,
         None => ExitCode::from(WARNED),
@@ -32,7 +33,7 @@ pub(crate) fn boundary(path: &Path, case: Option<&str>, error: f64) -> Outcome {
 /// Says how near faces may come; the exit status is 1 if they are too near already.
 pub(crate) fn ground(path: &Path, case: Option<&str>, error: f64) -> Outcome {
     let advice = advise_box(&read(path, case)?, error)?;
-    print!("{advice}");
+    say_on!("{advice}");
     Ok(match advice.as_it_stands <= advice.error {
         true => ExitCode::SUCCESS,
         false => ExitCode::from(WARNED),

@@ -10,6 +10,7 @@ use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
 use crate::progress::Display;
 use crate::{INTERRUPTED, Outcome, WARNED, read, report, stop};
+use crate::terminal::say;
 
 /// Looks at a scene; the exit status is 1 if there are warnings.
 pub(crate) fn check(path: &Path, case: Option<&str>) -> Outcome {
@@ -58,7 +59,7 @@ pub(crate) fn compare(
             Ok(Some(found))
         }
         Err(StudyError::Interrupted) => {
-            println!("interrupted while the free field was checked: nothing was run");
+            say!("interrupted while the free field was checked: nothing was run");
             Ok(None)
         }
         Err(error) => Err(error),

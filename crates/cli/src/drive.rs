@@ -7,6 +7,7 @@ use powerhouse::model::HistoryKind;
 use powerhouse::{Material, PointPath, Registry};
 
 use crate::Outcome;
+use crate::terminal::say;
 
 /// Leads a point of a material along a path, and writes its table and curve.
 pub(crate) fn drive(
@@ -17,17 +18,17 @@ pub(crate) fn drive(
 ) -> Outcome {
     let material = Material::from_file(law, material, &Registry::default())?;
     let driven = PointPath::from_file(path)?.drive(&material)?;
-    println!("{}: {} steps", driven.law, driven.records.len() - 1);
+    say!("{}: {} steps", driven.law, driven.records.len() - 1);
     for doubt in material.doubts() {
-        println!("warning: {doubt}");
+        say!("warning: {doubt}");
     }
     let (component, [least, greatest]) = driven.extremes();
-    println!("stress {component} from {least:.4e} to {greatest:.4e} Pa");
+    say!("stress {component} from {least:.4e} to {greatest:.4e} Pa");
     if let Some(last) = driven.records.last() {
-        println!("work {:.4e} J/m3", last.work);
+        say!("work {:.4e} J/m3", last.work);
         for (variable, value) in driven.variables.iter().zip(&last.history) {
             if variable.kind != HistoryKind::Component {
-                println!("{} {value:.4e}", variable.name);
+                say!("{} {value:.4e}", variable.name);
             }
         }
     }
@@ -35,9 +36,9 @@ pub(crate) fn drive(
         let stem = path.file_stem().unwrap_or("point".as_ref());
         Path::new("results").join(stem)
     };
-    println!("\nfiles");
+    say!("\nfiles");
     for file in driven.write(&out.unwrap_or_else(named))? {
-        println!("  {}", file.display());
+        say!("  {}", file.display());
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,7 +1,9 @@
 //! The command `powerhouse`: run and check scenes, drive points of their materials.
 //!
-//! Exit status: 0 if all is well, 1 if a check warns or advice finds nothing, 2 if something is refused or fails, 130 if
-//! a run was interrupted (its output is complete up to there).
+//! Exit status: 0 if all is well, 1 if a check warns, advice finds nothing or a report lacks something, 2 if
+//! something is refused or fails, 130 if a run was interrupted, by Ctrl-C, SIGTERM or SIGHUP (its output is
+//! complete up to there). A reader of the output that goes away changes neither files nor status.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod advise;
 mod check;
@@ -13,6 +15,7 @@ mod report;
 mod run;
 mod stop;
 mod sweep;
+mod terminal;
 mod trade;
 
 use std::io::IsTerminal;
@@ -23,12 +26,13 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use powerhouse::{Error, Scene};
 use powerhouse_study::StudyError;
+use terminal::{say, warn_aside};
 
 /// Explicit dynamic analysis of underground structures under waves that arrive at an angle.
 #[derive(Parser)]
 #[command(
     version,
-    after_help = "Exit status: 0 all is well, 1 a check warns or advice finds nothing, 2 refused or failed, 130 interrupted."
+    after_help = EXIT_STATUS
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -38,6 +42,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Run a scene and write its results.
+    #[command(after_help = AFTER_A_KILL)]
     Run {
         /// The scene file.
         scene: PathBuf,
@@ -99,7 +104,7 @@ enum Command {
         #[arg(long = "case", value_name = "NAME")]
         cases: Vec<String>,
         /// The duration of every case (s), in place of the scene's.
-        #[arg(long, value_name = "SECONDS")]
+        #[arg(long, value_name = "SECONDS", value_parser = seconds)]
         duration: Option<f64>,
         /// How many cases run at once, each with its share of the cores and the memory of one.
         #[arg(long, value_name = "CASES", default_value = "1")]
@@ -144,6 +149,21 @@ enum Choice {
     },
 }
 
+/// What the exit status says, as `--help` shows it.
+const EXIT_STATUS: &str = "\
+Exit status:
+  0    all is well; also if the reader of the output has gone away, as in `powerhouse run ... | head -1`
+  1    a check warns, advice finds nothing, a trade finds no run that meets the goal, or a report lacks results
+  2    refused or failed; `check`, `advise` and `schema` also if what they print cannot be written (full disk)
+  130  interrupted by Ctrl-C, SIGTERM or SIGHUP: output is complete up to there; a second signal ends at once";
+
+/// What a kill leaves behind, as `run --help` shows it.
+const AFTER_A_KILL: &str = "\
+Files are written whole or not at all. Snapshots and stages are written as they come, everything else when the
+run ends: of a run that is killed (SIGKILL, power failure) snapshots and stages stay, without histories, section
+forces, energies, envelopes and pictures, and there is no summary.json that says `completed`. A run cannot go on from
+there; a sweep keeps its finished cases. Interrupt a run (Ctrl-C, SIGTERM) to have all files up to there.";
+
 /// What a command ends with.
 type Outcome = Result<ExitCode, Box<dyn std::error::Error>>;
 
@@ -155,7 +175,12 @@ const FAILED: u8 = 2;
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let command = Arguments::parse().command;
+    let only_prints = matches!(
+        command,
+        Command::Check { .. } | Command::Advise { .. } | Command::Schema
+    );
+    let outcome = match command {
         Command::Run { scene, out, case } => run::run(&scene, case.as_deref(), out),
         Command::Check {
             scene,
@@ -190,14 +215,23 @@ fn main() -> ExitCode {
         Command::Report { folder } => page::page(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
         Command::Schema => {
-            println!("{:#}", powerhouse_study::registry().schema().to_value());
+            say!("{:#}", powerhouse_study::registry().schema().to_value());
             Ok(ExitCode::SUCCESS)
         }
     };
-    outcome.unwrap_or_else(|error| {
-        eprintln!("{}", explain(error.as_ref()));
+    let status = outcome.unwrap_or_else(|error| {
+        warn_aside!("{}", explain(error.as_ref()));
         ExitCode::from(FAILED)
-    })
+    });
+    terminal::settle(status, only_prints)
+}
+
+/// A time that can be run: finite and above zero.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds > 0.0 => Ok(seconds),
+        _ => Err("a time in seconds, finite and above 0, such as 2.5".into()),
+    }
 }
 
 /// Reads a scene, or a case of it.

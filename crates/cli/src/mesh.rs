@@ -7,12 +7,13 @@ use powerhouse::io::{FieldPrecision, VtuField, VtuNumbers, VtuWriter, write_gmsh
 use powerhouse_study::bay::Bay;
 
 use crate::Outcome;
+use crate::terminal::{say, say_on};
 
 /// Makes the mesh of a machine bay, tells its counts and shapes, and writes it for Gmsh and ParaView,
 /// with a picture of its section.
 pub(crate) fn mesh(file: &Path, out: Option<PathBuf>) -> Outcome {
     let bay = Bay::from_file(file)?.mesh()?;
-    print!("{}", bay.report);
+    say_on!("{}", bay.report);
     let named = || PathBuf::from(file.file_stem().unwrap_or("bay".as_ref())).with_extension("msh");
     let gmsh = out.unwrap_or_else(named);
     let (vtu, picture) = (gmsh.with_extension("vtu"), gmsh.with_extension("png"));
@@ -22,13 +23,14 @@ pub(crate) fn mesh(file: &Path, out: Option<PathBuf>) -> Outcome {
         name: "part",
         components: 1,
         numbers: VtuNumbers::Whole,
+        unit: "",
         values: &numbers,
     };
     VtuWriter::new(&bay.mesh, FieldPrecision::Single)?.write(&vtu, 0.0, &[], &[part])?;
     bay.draw(&picture)?;
-    println!("\nfiles");
+    say!("\nfiles");
     for file in [gmsh, vtu, picture] {
-        println!("  {}", file.display());
+        say!("  {}", file.display());
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use powerhouse::ProgressHook;
 use powerhouse::engine::{Progress, StaticProgress};
+use crate::terminal::warn_aside;
 
 /// The bar is drawn anew after so many steps, and the clock looked at.
 const STEPS_PER_TICK: u64 = 32;
@@ -56,7 +57,7 @@ impl Display {
                 let (prefix, mut beat) = (prefix.clone(), Beat::start());
                 Box::new(move |progress| {
                     if is_tick(&progress) && beat.is_due() {
-                        eprintln!("{}", line(&prefix, &progress, beat.started.elapsed()));
+                        warn_aside!("{}", line(&prefix, &progress, beat.started.elapsed()));
                     }
                 })
             }
@@ -106,7 +107,7 @@ impl Resting {
             bar.set_message(text);
             bar.tick();
         } else if self.beat.is_due() {
-            eprintln!("{text}");
+            warn_aside!("{text}");
         }
     }
 

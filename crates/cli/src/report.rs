@@ -5,20 +5,23 @@ use std::time::Duration;
 
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
-use powerhouse::{Error, Remark, Results, Simulation, StageAtRest, StageOverview};
+use powerhouse::{
+    Error, Remark, Results, RunNotes, Simulation, StageAtRest, StageOverview, Topic,
+};
 use powerhouse_study::{CheckReport, FreeFieldReport, PointError, StaticCost, Warning};
+use crate::terminal::say;
 
 pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> Result<(), Error> {
     let mesh = simulation.mesh().clone();
-    println!("{}", simulation.title());
-    println!(
+    say!("{}", simulation.title());
+    say!(
         "{} nodes, {} elements",
         mesh.node_count(),
         mesh.element_count()
     );
     remarks(simulation.remarks());
     for warning in warnings {
-        println!("warning: {warning}");
+        say!("warning: {warning}");
     }
     let stable = simulation.stable_step()?;
     step(&stable, simulation.step()?);
@@ -28,12 +31,12 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
 fn remarks<'r>(remarks: impl IntoIterator<Item = &'r Remark>) {
     for remark in remarks {
         let word = if remark.is_warning() { "warning: " } else { "" };
-        println!("{word}{remark}");
+        say!("{word}{remark}");
     }
 }
 
 fn step(stable: &StableStep, step: f64) {
-    println!(
+    say!(
         "step {step:.4e} s; stable up to {:.4e} s, limited by the {} of element {} in '{}' ({} alike)",
         stable.step,
         match stable.term {
@@ -46,7 +49,7 @@ fn step(stable: &StableStep, step: f64) {
         stable.similar_elements,
     );
     if let Some(next) = stable.next_set_bound {
-        println!(
+        say!(
             "without its worst elements in '{}' the step could grow {:.2} times",
             stable.set,
             next / stable.element_bound
@@ -56,13 +59,13 @@ fn step(stable: &StableStep, step: f64) {
 
 pub(crate) fn free_field(report: &FreeFieldReport) {
     let [x, y, z] = report.cells;
-    println!(
+    say!(
         "free field without the structure: {x} x {y} x {z} bricks, step {:.3e} s, {:.2} s computed",
         report.step, report.window
     );
     errors(&report.points);
     if let Some(points) = &report.damped {
-        println!("the same with the damping of the ground, which the free field does not have:");
+        say!("the same with the damping of the ground, which the free field does not have:");
         errors(points);
     }
 }
@@ -70,7 +73,7 @@ pub(crate) fn free_field(report: &FreeFieldReport) {
 fn errors(points: &[PointError]) {
     for point in points {
         let p = point.position;
-        println!(
+        say!(
             "  {:<10} ({:.2}, {:.2}, {:.2}): relative error {:.5} of displacement, {:.5} of velocity",
             point.name, p.x, p.y, p.z, point.displacement, point.velocity
         );
@@ -79,34 +82,34 @@ fn errors(points: &[PointError]) {
 
 pub(crate) fn check(report: &CheckReport) {
     let quality = &report.quality;
-    println!("{}", report.title);
-    println!("\nmesh");
-    println!("  {} nodes, {} elements", report.nodes, report.elements);
-    println!(
+    say!("{}", report.title);
+    say!("\nmesh");
+    say!("  {} nodes, {} elements", report.nodes, report.elements);
+    say!(
         "  edges {:.3} to {:.3} m, longest to shortest in one element at most {:.2}",
         quality.shortest_edge, quality.longest_edge, quality.largest_aspect
     );
-    println!(
+    say!(
         "  least scaled Jacobian {:.3}, element {}",
         quality.least_scaled_jacobian, quality.worst_element
     );
-    println!("\nfrequencies carried with ten elements per wavelength of shear waves");
+    say!("\nfrequencies carried with ten elements per wavelength of shear waves");
     for part in &report.resolution {
-        println!(
+        say!(
             "  {:<16} {:>7.2} Hz  ({:.0} m/s, edges up to {:.2} m)",
             part.set, part.frequency, part.s_speed, part.longest_edge
         );
     }
     if !report.joints.is_empty() {
-        println!("\njoints");
+        say!("\njoints");
     }
     for joint in &report.joints {
         let [first, second] = joint.worst_nodes;
-        println!(
+        say!(
             "  {:<16} {}, {} pairs on {:.2} m2, nodes at most {:.2e} m apart ({first} and {second})",
             joint.name, joint.law, joint.pairs, joint.area, joint.worst_gap
         );
-        println!(
+        say!(
             "  {:<16} edges from {:.3} m on: slip and opening are small up to about {:.3} m",
             "",
             joint.shortest_edge,
@@ -117,15 +120,15 @@ pub(crate) fn check(report: &CheckReport) {
     let of_part =
         |remark: &&Remark| matches!(remark, Remark::FlatDamping { .. } | Remark::Rim { .. });
     if report.remarks.iter().any(|remark| of_part(&remark)) {
-        println!("\nparts");
+        say!("\nparts");
         remarks(report.remarks.iter().filter(of_part));
     }
-    println!("\nground motion");
+    say!("\nground motion");
     remarks(report.remarks.iter().filter(|remark| !of_part(remark)));
-    println!("\nrun");
+    say!("\nrun");
     let cost = &report.cost;
     step(&report.stable, cost.step);
-    println!(
+    say!(
         "{} steps, about {} of wall time",
         cost.steps,
         duration(cost.wall_time)
@@ -134,25 +137,25 @@ pub(crate) fn check(report: &CheckReport) {
         static_cost(stages);
     }
     if let Some(time) = cost.self_check {
-        println!("about {} before it to check the free field", duration(time));
+        say!("about {} before it to check the free field", duration(time));
     }
-    println!(
+    say!(
         "about {} of memory, at most {} of files",
         bytes(cost.memory),
         bytes(cost.output)
     );
     if !report.savings.is_empty() {
-        println!("\nwhat would save most");
+        say!("\nwhat would save most");
     }
     for saving in &report.savings {
-        println!("  {saving}");
+        say!("  {saving}");
     }
     match report.warnings.len() {
-        0 => println!("\nno warnings"),
-        count => println!("\n{count} warning(s)"),
+        0 => say!("\nno warnings"),
+        count => say!("\n{count} warning(s)"),
     }
     for warning in &report.warnings {
-        println!("  {warning}");
+        say!("  {warning}");
     }
 }
 
@@ -160,23 +163,23 @@ pub(crate) fn check(report: &CheckReport) {
 fn static_cost(stages: &StaticCost) {
     let (time, taken) = (duration(stages.wall_time), stages.timed);
     if stages.uncertainty > 1.0 {
-        println!(
+        say!(
             "about {time} before it for the stages, within a factor of {} ({} corrections expected, of which {taken} were timed)",
             stages.uncertainty, stages.corrections
         );
     } else {
-        println!("{time} before it for the stages, which took {taken} corrections");
+        say!("{time} before it for the stages, which took {taken} corrections");
     }
     for stage in &stages.unknown {
-        println!("  without '{stage}', whose relaxation takes an unknown number of steps");
+        say!("  without '{stage}', whose relaxation takes an unknown number of steps");
     }
-    println!("about {} of memory meanwhile", bytes(stages.memory));
+    say!("about {} of memory meanwhile", bytes(stages.memory));
 }
 
 /// The stages before a run.
 fn stages(stages: &[StageOverview]) {
     if !stages.is_empty() {
-        println!("\nstages");
+        say!("\nstages");
     }
     for stage in stages {
         let mut does = Vec::new();
@@ -212,14 +215,14 @@ fn stages(stages: &[StageOverview]) {
         if does.is_empty() {
             does.push("comes to rest".into());
         }
-        println!("  {:<16} {}", stage.name, does.join(", "));
+        say!("  {:<16} {}", stage.name, does.join(", "));
     }
 }
 
 /// What a stage came to.
 pub(crate) fn stage(stage: &StageAtRest) {
     let (report, solution) = (stage.report, &stage.report.solution);
-    println!(
+    say!(
         "stage {} of {}, '{}': {} increments, {} corrections, {:.1e} of the load out of balance, moved by {:.3e} m at node {}",
         stage.index + 1,
         stage.count,
@@ -242,7 +245,7 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
         Ended::Failed(_) => "failed".into(),
     };
     let wall = results.wall_time.as_secs_f64();
-    println!(
+    say!(
         "{how}: {} steps to t = {:.3} s in {wall:.1} s, {:.0} ns per element and step",
         run.steps,
         run.time,
@@ -251,27 +254,30 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
 }
 
 /// What a run found and wrote.
-pub(crate) fn results(mesh: &Mesh, results: &Results, files: &[PathBuf]) {
-    println!("\npeaks\n{}", results.peaks(mesh));
+pub(crate) fn results(mesh: &Mesh, results: &Results, (notes, files): (&RunNotes, &[PathBuf])) {
+    say!("\npeaks\n{}", results.peaks(mesh));
+    let doubts = notes.remarks.iter().filter(|remark| remark.is_warning());
+    // Beside the figures that they are about, once more.
+    remarks(doubts.filter(|doubt| doubt.topic() == Topic::Sections));
     energies(results);
     joints(mesh, results);
     bolts(results);
     remarks(&results.doubts(mesh));
-    println!("\nfiles");
+    say!("\nfiles");
     for file in files {
-        println!("  {}", file.display());
+        say!("  {}", file.display());
     }
 }
 
 /// What bolts bear.
 fn bolts(results: &Results) {
     if !results.bolts.is_empty() {
-        println!("\nbolts");
+        say!("\nbolts");
     }
     for forces in &results.bolts {
         if let Some((bolt, force)) = forces.greatest() {
             let name = &forces.name;
-            println!(
+            say!(
                 "  {name:<20} at most {force:.3e} N at the end, in bolt {}",
                 bolt + 1
             );
@@ -283,7 +289,7 @@ fn bolts(results: &Results) {
 fn joints(mesh: &Mesh, results: &Results) {
     let outcomes = &results.joint_outcomes;
     if !outcomes.is_empty() {
-        println!("\njoints");
+        say!("\njoints");
     }
     for outcome in outcomes {
         let joint = results
@@ -312,19 +318,19 @@ fn joints(mesh: &Mesh, results: &Results) {
                 .trim_end()
                 .to_owned()
         };
-        println!(
+        say!(
             "  {:<20} {}; {}",
             outcome.name,
             began("slid", outcome.slipped, outcome.first_slip),
             most("slip", outcome.slip),
         );
-        println!(
+        say!(
             "  {:<20} {}; {}",
             "",
             began("opened", outcome.opened, outcome.first_crack),
             most("opening", outcome.peak_opening),
         );
-        println!(
+        say!(
             "  {:<20} bond broken on {:.1} %, none ever on {:.1} %; friction {:.3e} J, bond {:.3e} J, impact {:.3e} J",
             "",
             100.0 * outcome.broken,
@@ -335,7 +341,7 @@ fn joints(mesh: &Mesh, results: &Results) {
         );
     }
     for joint in results.joints.iter().filter(|joint| joint.most_sweeps > 0) {
-        println!(
+        say!(
             "  pairs of '{}' that share nodes took {} sweeps at most, the last one changed motion by {:.1e} at most",
             joint.name, joint.most_sweeps, joint.worst_residual
         );
@@ -347,16 +353,16 @@ fn energies(results: &Results) {
     let Some(residual) = results.energy_residual() else {
         return;
     };
-    println!("energies at the end (J)");
+    say!("energies at the end (J)");
     for (name, value) in results.energy_terms() {
-        println!("  {name:<24} {value:>12.4e}");
+        say!("  {name:<24} {value:>12.4e}");
     }
     let share = residual.share_of_input;
     let share = share.map_or(String::new(), |share| {
         format!("   {share:.1e} of the input work")
     });
-    println!("  {:<24} {:>12.4e}{share}", "residual", residual.energy);
-    println!(
+    say!("  {:<24} {:>12.4e}{share}", "residual", residual.energy);
+    say!(
         "  the residual was at most {:.1e} of the largest energy",
         residual.largest
     );

@@ -5,11 +5,12 @@ use std::process::ExitCode;
 
 use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
-use powerhouse::{Error, ResultFolder, RunHooks, StageAtRest, StageSink};
-use powerhouse_study::FreeFieldCheck;
+use powerhouse::{Error, ResultFolder, RunHooks, RunNotes, StageAtRest, StageSink};
+use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
 use crate::progress::{Display, Resting};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
+use crate::terminal::{say, warn_aside};
 
 /// Tells of stages what their files hold in full, around the bars of what runs.
 pub(crate) struct Stages {
@@ -53,28 +54,38 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
         None => None,
     };
     let warnings = powerhouse_study::warnings(&scene)?;
+    let size = OutputSize::of(&scene)?;
     let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;
     report::before_run(&mut simulation, &warnings)?;
-    folder.create()?;
+    // All that the end of the run needs is tried before its first step.
+    let lock = folder.lock()?;
+    if let Some(remark) = lock.remark() {
+        say!("{remark}");
+    }
+    let step = simulation.step()?;
+    folder.prove(&simulation, size.bytes(step))?;
 
     if let (Some(free_field), Some(limit)) = (free_field, limit) {
-        match check::compare(free_field, simulation.step()?, &stop)? {
+        match check::compare(free_field, step, &stop)? {
             Some(found) => found.require(limit)?,
             None => return Ok(ExitCode::from(INTERRUPTED)),
         }
     }
     folder.clear()?;
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
-    let remarks = simulation.remarks().to_vec();
+    let notes = RunNotes {
+        remarks: simulation.remarks().to_vec(),
+        warnings: warnings.iter().map(Warning::doubt).collect(),
+    };
     let bars = MultiProgress::new();
     let display = Display::among(&bars, "run");
     let hooks = RunHooks {
         progress: Some(display.hook()),
         stop: Some(stop),
-        snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
+        snapshots: Some(folder.snapshots(&simulation)?),
         stages: Some(Box::new(Stages::new(
-            folder.stages(&mesh, simulation.joint_surfaces())?,
+            folder.stages(&simulation)?,
             &bars,
             "",
         ))),
@@ -86,18 +97,23 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
         Ok(results) => (results, None),
         Err(Error::Failed { error, results }) => (*results, Some(error)),
         Err(Error::Interrupted { stage }) => {
-            println!("interrupted in the stage '{stage}': the body has not moved");
+            say!("interrupted in the stage '{stage}': the body has not moved");
             return Ok(ExitCode::from(INTERRUPTED));
         }
         Err(error) => return Err(error.into()),
     };
     report::end_of_run(&mesh, &results);
-    let written = folder.write((&title, &mesh), &results, &remarks, text.as_deref());
+    let is_ours = lock.is_held();
+    let written = folder.write((&title, &mesh), &results, &notes, text.as_deref());
     if let (Err(_), Some(failure)) = (&written, &failure) {
         // Both failures are told, that of the run first.
-        eprintln!("error: {failure}");
+        warn_aside!("error: {failure}");
     }
-    report::results(&mesh, &results, &written?);
+    report::results(&mesh, &results, (&notes, &written?));
+    // After all files are there: what the run still had is not lost with the folder.
+    if !is_ours {
+        lock.release()?;
+    }
     match (failure, results.run.ended) {
         (Some(failure), _) => Err(failure.into()),
         (None, Ended::Stopped) => Ok(ExitCode::from(INTERRUPTED)),

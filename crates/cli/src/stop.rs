@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::INTERRUPTED;
+use crate::terminal::warn_aside;
 
 /// A flag that the first signal raises, so that what runs can end in order; the second signal ends
 /// the program at once.
@@ -17,7 +18,7 @@ pub(crate) fn flag() -> Result<Arc<AtomicBool>, ctrlc::Error> {
         if raised.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
-        eprintln!("ending in order; once more to end at once");
+        warn_aside!("ending in order; once more to end at once");
     })?;
     Ok(flag)
 }

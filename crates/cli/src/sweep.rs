@@ -1,6 +1,6 @@
 //! `powerhouse sweep`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -8,13 +8,14 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use indicatif::MultiProgress;
-use powerhouse::{ProgressHook, StageSink};
+use powerhouse::{ProgressHook, Remark, RunNotes, StageSink};
 use powerhouse_study::StudyError;
 use powerhouse_study::sweep::{CaseOutcome, Peak, Sweep, SweepWatch};
 
 use crate::progress::Display;
 use crate::run::Stages;
 use crate::{INTERRUPTED, Outcome, stop};
+use crate::terminal::say;
 
 /// Tells on the terminal how a sweep goes.
 #[derive(Default)]
@@ -24,12 +25,14 @@ struct Told {
     displays: BTreeMap<String, Display>,
     /// Whether cases run side by side.
     several: bool,
+    /// What was warned of before.
+    warned: BTreeSet<String>,
 }
 
 impl Told {
     /// Prints around the bars.
     fn say(&self, text: &str) {
-        self.bars.suspend(|| println!("{text}"));
+        self.bars.suspend(|| say!("{text}"));
     }
     /// Takes the bar of a case away.
     fn clear(&mut self, case: &str) {
@@ -45,6 +48,19 @@ impl SweepWatch for Told {
     }
     fn kept(&mut self, case: &str) {
         self.say(&format!("  {case}: finished before"));
+    }
+    fn warns(&mut self, case: &str, notes: &RunNotes, lock: Option<&str>) {
+        if let Some(remark) = lock {
+            self.say(&format!("  {case}: {remark}"));
+        }
+        let remarks = notes.remarks.iter().filter(|remark| remark.is_warning());
+        let doubts = remarks.map(Remark::doubt).chain(notes.warnings.clone());
+        for doubt in doubts {
+            // Most cases of a sweep share theirs.
+            if self.warned.insert(doubt.text.clone()) {
+                self.say(&format!("  {case}: warning: {}", doubt.text));
+            }
+        }
     }
     fn self_check(&mut self, case: &str, error: f64) {
         self.say(&format!("  {case}: the free field errs by {error:.4}"));
@@ -152,7 +168,7 @@ pub(crate) fn sweep(
     told.displays.values().for_each(Display::clear);
     match done {
         Ok(outcomes) => {
-            println!(
+            say!(
                 "{} cases in {:.1} s; results in {}",
                 outcomes.len(),
                 started.elapsed().as_secs_f64(),
@@ -161,7 +177,7 @@ pub(crate) fn sweep(
             Ok(ExitCode::SUCCESS)
         }
         Err(StudyError::Interrupted) => {
-            println!("interrupted: what is finished stays, another sweep goes on from there");
+            say!("interrupted: what is finished stays, another sweep goes on from there");
             Ok(ExitCode::from(INTERRUPTED))
         }
         Err(error) => Err(error.into()),

@@ -13,6 +13,7 @@ use powerhouse_study::trade::{
 
 use crate::progress::Display;
 use crate::{INTERRUPTED, Outcome, WARNED, stop};
+use crate::terminal::say;
 
 /// What is wished of a trade.
 #[derive(Args)]
@@ -29,7 +30,7 @@ pub(crate) struct Wishes {
     #[arg(long, value_name = "SHARE", value_parser = error)]
     error: Option<f64>,
     /// The first seconds that are run, in place of those until half of the records has come.
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = crate::seconds)]
     window: Option<f64>,
     /// The histories whose errors count, such as displacement,relative; all that the scene records by default.
     #[arg(long = "of", value_name = "QUANTITY", value_parser = quantity, value_delimiter = ',')]
@@ -115,17 +116,17 @@ impl Told {
 
 impl TradeWatch for Told {
     fn before(&mut self, runs: usize, window: f64, at_most: Duration) {
-        println!(
+        say!(
             "at most {runs} runs of {window} s, {} in all, stages aside",
             time(at_most.as_secs_f64())
         );
     }
     fn begins(&mut self, name: &str, place: usize) {
         self.clear();
-        println!("run {place}: {name}");
+        say!("run {place}: {name}");
     }
     fn kept(&mut self, _name: &str) {
-        println!("  finished before");
+        say!("  finished before");
     }
     fn progress(&mut self) -> Option<ProgressHook<'static>> {
         let display = Display::new("run");
@@ -136,18 +137,18 @@ impl TradeWatch for Told {
     fn sets_aside(&mut self, unrepeated: &[Unrepeated]) {
         self.clear();
         match unrepeated {
-            [] => println!("  repeats all histories"),
-            several => println!("  {}", left_out(several)),
+            [] => say!("  repeats all histories"),
+            several => say!("  {}", left_out(several)),
         }
     }
     fn fails(&mut self, _name: &str, error: &StudyError) {
         self.clear();
-        println!("  {error}");
+        say!("  {error}");
     }
     fn ends(&mut self, case: &TradeCase) {
         self.clear();
         let cost = &case.cost;
-        println!(
+        say!(
             "  error {:.2e} ({}), whole run {}: {} steps of {:.3e} s, {:.3e} s each",
             case.error,
             case.worst,
@@ -159,7 +160,7 @@ impl TradeWatch for Told {
     }
     fn tells_mesh(&mut self, mesh: &MeshError) {
         self.clear();
-        println!(
+        say!(
             "  the mesh errs by about {:.2e} ({})",
             mesh.error, mesh.worst
         );
@@ -228,7 +229,7 @@ pub(crate) fn trade(wishes: Wishes) -> Outcome {
             .iter()
             .map(|level| level.name.as_str())
             .collect();
-        println!("{}: {}", factor.name, names.join(" | "));
+        say!("{}: {}", factor.name, names.join(" | "));
     }
     let mut told = Told { display: None };
     let found = trade.run(goal, Some(&stop::flag()?), &mut told);
@@ -237,14 +238,14 @@ pub(crate) fn trade(wishes: Wishes) -> Outcome {
         Ok(report) => {
             tell(&report);
             Ok(if goal != Goal::Front && report.chosen.is_none() {
-                println!("no run meets what was asked for");
+                say!("no run meets what was asked for");
                 ExitCode::from(WARNED)
             } else {
                 ExitCode::SUCCESS
             })
         }
         Err(StudyError::Interrupted) => {
-            println!("interrupted: what is finished stays, another trade goes on from there");
+            say!("interrupted: what is finished stays, another trade goes on from there");
             Ok(ExitCode::from(INTERRUPTED))
         }
         Err(error) => Err(error.into()),
@@ -252,10 +253,10 @@ pub(crate) fn trade(wishes: Wishes) -> Outcome {
 }
 
 fn tell(report: &TradeReport) {
-    println!("\nfront, the cheapest first");
+    say!("\nfront, the cheapest first");
     for &place in &report.front {
         let case = &report.cases[place];
-        println!(
+        say!(
             "  {:>9}  error {:.2e}  {:5.0} MB  {}",
             time(case.cost.wall_time()),
             case.error,
@@ -264,29 +265,29 @@ fn tell(report: &TradeReport) {
         );
     }
     match report.reference_error {
-        Some(error) => println!("error of the reference {error:.1e}, on this mesh"),
-        None => println!("error of the reference unknown: no other step was run"),
+        Some(error) => say!("error of the reference {error:.1e}, on this mesh"),
+        None => say!("error of the reference unknown: no other step was run"),
     }
     if let Some(mesh) = &report.mesh {
-        println!(
+        say!(
             "error of the mesh about {:.1e} ({})",
             mesh.error, mesh.worst
         );
     }
     if !report.unrepeated.is_empty() {
-        println!("{}", left_out(&report.unrepeated));
+        say!("{}", left_out(&report.unrepeated));
     }
     if let Some(window) = report.foreseen {
-        println!(
+        say!(
             "errors are those of the first {window} s: what yields, cracks or slips later may err by more"
         );
     }
     if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
-        println!("chosen: {}", case.name);
+        say!("chosen: {}", case.name);
     }
-    println!("\nfiles");
+    say!("\nfiles");
     for file in &report.files {
-        println!("  {}", file.display());
+        say!("  {}", file.display());
     }
 }
 

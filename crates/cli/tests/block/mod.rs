@@ -1,0 +1,88 @@
+//! A block of ground under a pulse, in a folder of its own.
+// Each test file uses what it needs of it.
+#![allow(dead_code)]
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use powerhouse::io::write_gmsh;
+use powerhouse::model::{Mesh, Vec3};
+
+const SCENE: &str = r#"
+title = "block"
+[mesh]
+file = "mesh.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 9e9
+poisson = 0.27
+density = 2750
+[[part]]
+set = "rock"
+material = "rock"
+[[wave]]
+kind = "sv"
+incidence = 20
+pulse = { kind = "smooth", displacement = 0.02, duration = 0.25 }
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "front", "back", "bottom"]
+scatterer = [60, 60, 120]
+[time]
+duration = 0.3
+[output]
+every = 0.01
+energies = 0.01
+[[output.history]]
+name = "inside"
+at = [60, 60, 60]
+quantities = ["displacement", "acceleration"]
+[output.snapshots]
+every = 0.1
+"#;
+
+/// A block of 120 m in a folder that goes away with it.
+pub(crate) struct Block {
+    pub(crate) folder: PathBuf,
+}
+
+impl Block {
+    /// The block with a change of its scene.
+    pub(crate) fn new(name: &str, change: impl Fn(String) -> String) -> Self {
+        let name = format!("powerhouse-cli-block-{name}-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).unwrap();
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(120.0), [6; 3], "rock");
+        write_gmsh(folder.join("mesh.msh"), &mesh.unwrap()).unwrap();
+        std::fs::write(folder.join("scene.toml"), change(SCENE.into())).unwrap();
+        Self { folder }
+    }
+    /// The scene's file.
+    pub(crate) fn scene(&self) -> String {
+        self.folder.join("scene.toml").display().to_string()
+    }
+    /// The folder of results.
+    pub(crate) fn out(&self) -> PathBuf {
+        self.folder.join("out")
+    }
+    pub(crate) fn out_text(&self) -> String {
+        self.out().display().to_string()
+    }
+    /// Runs the command with its scene.
+    pub(crate) fn powerhouse(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_powerhouse"));
+        command.args(arguments).output().unwrap()
+    }
+}
+
+impl Drop for Block {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// What a stream said.
+pub(crate) fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}

@@ -1,0 +1,203 @@
+//! Folders of results: one run at a time, tried before the first step, not lost in silence.
+
+mod block;
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use block::{Block, text};
+
+/// A block that runs until it is told to end, with snapshots on its way.
+fn long(name: &str) -> Block {
+    Block::new(name, |scene| {
+        scene
+            .replace("duration = 0.3", "duration = 1000")
+            .replace("every = 0.1", "every = 0.02")
+            .replace("every = 0.01", "every = 0.1")
+    })
+}
+
+/// Starts the run of a block and waits for its first snapshots.
+fn start(block: &Block) -> std::process::Child {
+    let run = Command::new(env!("CARGO_BIN_EXE_powerhouse"))
+        .args(["run", &block.scene(), "--out", &block.out_text()])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while !block.out().join("snapshots/snapshots_00002.vtu").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(120));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    run
+}
+
+#[cfg(unix)]
+fn signal(run: &std::process::Child, signal: &str) {
+    let mut kill = Command::new("kill");
+    assert!(kill.args([signal, &run.id().to_string()]).status().unwrap().success());
+}
+
+/// A second run into the folder of another one is refused before its first step and names it; the first run
+/// is not disturbed. A run that was killed hinders nobody, and is named. Status 2 and 0.
+#[cfg(unix)]
+#[test]
+fn a_folder_has_one_run() {
+    let block = long("one-run");
+    let first = start(&block);
+    let other = Block::new("other", |scene| scene);
+    let run = |block: &Block, out: &str| block.powerhouse(&["run", &block.scene(), "--out", out]);
+    let refused = run(&other, &block.out_text());
+    let errors = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{errors}");
+    let holder = format!("another run (process {}, since 20", first.id());
+    assert!(errors.contains(&holder), "{errors}");
+    signal(&first, "-KILL");
+    first.wait_with_output().unwrap();
+    assert!(!block.out().join("summary.json").exists());
+    let taken = run(&other, &block.out_text());
+    let told = text(&taken.stdout);
+    assert_eq!(taken.status.code(), Some(0), "{}", text(&taken.stderr));
+    assert!(told.contains("taken over from a run that ended without finishing (process"), "{told}");
+    assert!(!block.out().join(".powerhouse-lock").exists());
+}
+
+/// A folder that is removed while a run goes on is an error, status 2, that says what may be missing; what
+/// the run still holds is written there anew, and the collection of snapshots names those that are there.
+#[cfg(unix)]
+#[test]
+fn a_folder_that_vanishes_is_an_error() {
+    let block = long("vanishes");
+    let run = start(&block);
+    // At once, while the run goes on writing.
+    std::fs::rename(block.out(), block.folder.join("elsewhere")).unwrap();
+    let begun = Instant::now();
+    while !block.out().join("snapshots.pvd").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(120));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    signal(&run, "-INT");
+    let ended = run.wait_with_output().unwrap();
+    let errors = text(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("was removed while the run went on"), "{errors}");
+    for file in ["summary.json", "histories.csv", "plots/inside.svg"] {
+        assert!(block.out().join(file).exists(), "{file}");
+    }
+    let collection = std::fs::read_to_string(block.out().join("snapshots.pvd")).unwrap();
+    let shots: Vec<&str> = collection.split("file=\"").skip(1).collect();
+    assert!(!shots.is_empty());
+    for shot in shots {
+        let name = shot.split('"').next().unwrap();
+        assert!(block.out().join(name).exists(), "{name}");
+    }
+}
+
+/// What the end of a run needs is tried before its first step: a folder in the way of a file, a path that is
+/// too long for the system, and files that have no room on the disk are refused at once, status 2, and
+/// nothing is left behind.
+#[test]
+fn what_the_end_needs_is_tried_first() {
+    let block = Block::new("tried", |scene| scene);
+    let refused = |block: &Block, wanted: &str| {
+        let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
+        let (told, errors) = (text(&ended.stdout), text(&ended.stderr));
+        assert_eq!(ended.status.code(), Some(2), "{errors}");
+        assert!(errors.contains(wanted), "{errors}");
+        assert!(!told.contains("completed"), "{told}");
+    };
+    std::fs::create_dir_all(block.out().join("histories.csv")).unwrap();
+    refused(&block, "a folder stands where the run writes this file");
+    std::fs::remove_dir(block.out().join("histories.csv")).unwrap();
+    // As much as it may be before the ending of a plot.
+    let name = "x".repeat(252);
+    let long = Block::new("long", |scene| scene.replace("inside", &name));
+    let ended = long.powerhouse(&["run", &long.scene(), "--out", &long.out_text()]);
+    assert_eq!(ended.status.code(), Some(2));
+    assert!(!text(&ended.stdout).contains("completed"), "{}", text(&ended.stdout));
+    // A snapshot of every step of a year.
+    let large = Block::new("large", |scene| {
+        scene
+            .replace("duration = 0.3", "duration = 3e7")
+            .replace("every = 0.01", "every = 1e3")
+            .replace("every = 0.1", "every = 1e-5")
+    });
+    refused(&large, "GB are free");
+    for block in [block, large] {
+        assert_eq!(std::fs::read_dir(block.out()).unwrap().count(), 0);
+    }
+}
+
+/// Everything that a run warns of is in its summary and in its report; the summary says that it is completed
+/// when all files that it names are there, and a report that misses some says so, status 1.
+#[test]
+fn warnings_and_files_are_in_summary_and_report() {
+    let block = Block::new("told", |scene| {
+        // A side that is forgotten, and a fast pulse on a coarse mesh.
+        scene
+            .replace("\"left\", \"right\", ", "\"left\", ")
+            .replace("duration = 0.25 }", "duration = 0.04 }")
+    });
+    let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
+    let told = text(&ended.stdout);
+    assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
+    let warned: Vec<&str> = told.lines().filter_map(|line| line.strip_prefix("warning: ")).collect();
+    assert!(warned.len() >= 2, "{told}");
+    let read = |file: &str| std::fs::read_to_string(block.out().join(file)).unwrap();
+    let summary = read("summary.json");
+    let report = block.powerhouse(&["report", &block.out_text()]);
+    assert_eq!(report.status.code(), Some(0), "{}", text(&report.stdout));
+    let page = read("report.html");
+    let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    for warning in warned {
+        let quoted = warning.replace('\\', "\\\\").replace('"', "\\\"");
+        assert!(summary.contains(&quoted), "{warning}\n{summary}");
+        assert!(page.contains(&escaped(warning)), "{warning}");
+    }
+    assert!(summary.contains("\"ended\": \"completed\""));
+    assert!(summary.contains("\"histories.csv\"") && summary.contains("\"plots/inside.svg\""));
+    std::fs::remove_file(block.out().join("histories.csv")).unwrap();
+    let report = block.powerhouse(&["report", &block.out_text()]);
+    assert_eq!(report.status.code(), Some(1));
+    assert!(text(&report.stdout).contains("warning: histories.csv is gone"));
+    assert!(read("report.html").contains("histories.csv is gone"));
+}
+
+/// A peak that is no motion but rounding is shown as zero beside the others, in the terminal, and marked in the
+/// summary.
+#[test]
+fn rounding_is_no_peak() {
+    let block = Block::new("rounding", |scene| scene);
+    let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
+    let told = text(&ended.stdout);
+    let line = |name: &str| {
+        let mut lines = told.lines();
+        lines.find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{told}"))
+    };
+    // The wave travels along x: y stands still.
+    assert!(line("inside.uy").contains(" 0 m      below rounding"), "{told}");
+    assert!(!line("inside.ux").contains("below rounding"));
+    let summary = std::fs::read_to_string(block.out().join("summary.json")).unwrap();
+    assert_eq!(summary.matches("\"below_rounding\": true").count(), 2, "{summary}");
+}
+
+/// Durations that are none are refused wherever they are given, before anything is read.
+#[test]
+fn durations_are_refused() {
+    for duration in ["nan", "inf", "-1", "0", "ten"] {
+        for arguments in [
+            ["sweep", "none.toml", "--duration"],
+            ["trade", "none.toml", "--window"],
+        ] {
+            let block = format!("{}={duration}", arguments[2]);
+            let ended = Command::new(env!("CARGO_BIN_EXE_powerhouse"))
+                .args([arguments[0], arguments[1], &block])
+                .output()
+                .unwrap();
+            let errors = text(&ended.stderr);
+            assert_eq!(ended.status.code(), Some(2), "{errors}");
+            assert!(errors.contains("a time in seconds, finite and above 0"), "{errors}");
+        }
+    }
+}
