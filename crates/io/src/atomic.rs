@@ -28,6 +28,25 @@ pub fn write_whole(file: &Path, content: &[u8]) -> Result<(), IoError> {
     written.map_err(IoError::file(file))
 }
 
+/// Bytes that are free for files in a folder that exists; none where the system does not tell.
+#[cfg(unix)]
+pub fn free_space(folder: &Path) -> Option<u64> {
+    let found = nix::sys::statvfs::statvfs(folder).ok()?;
+    // Types of both differ from system to system.
+    #[allow(clippy::unnecessary_cast)]
+    let [blocks, size] = [
+        found.blocks_available() as u64,
+        found.fragment_size() as u64,
+    ];
+    Some(blocks.saturating_mul(size))
+}
+
+/// Bytes that are free for files in a folder that exists; none where the system does not tell.
+#[cfg(not(unix))]
+pub fn free_space(_folder: &Path) -> Option<u64> {
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -52,7 +52,7 @@ mod table;
 mod vtu;
 mod xml;
 
-pub use atomic::write_whole;
+pub use atomic::{free_space, write_whole};
 pub use error::IoError;
 pub use gmsh::{GmshError, GmshMesh, parse_gmsh, read_gmsh, write_gmsh};
 pub use picture::{
@@ -65,5 +65,5 @@ pub use records::{
     common_length, parse_record, read_record,
 };
 pub use summary::write_summary;
-pub use table::{TableColumn, read_table, write_table};
+pub use table::{TableColumn, read_table, write_noted_table, write_table};
 pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuNumbers, VtuWriter};

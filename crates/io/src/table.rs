@@ -34,8 +34,25 @@ impl TableColumn {
 /// Columns of unequal length, names that the format cannot hold, numbers that are not finite, or
 /// the operating system's error.
 pub fn write_table(file: &Path, columns: &[TableColumn]) -> Result<(), IoError> {
+    write_noted_table(file, &[], columns)
+}
+
+/// Writes a table below notes: lines that begin with `#` and stand above the header, for what must not be
+/// overlooked, such as a doubt about its numbers. [`read_table`] passes over them, and most programs can be
+/// told to (`comment='#'` in pandas).
+///
+/// # Errors
+/// As [`write_table`].
+pub fn write_noted_table(
+    file: &Path,
+    notes: &[String],
+    columns: &[TableColumn],
+) -> Result<(), IoError> {
     let rows = columns.first().map_or(0, |column| column.values.len());
     let mut text = String::new();
+    for line in notes.iter().flat_map(|note| note.lines()) {
+        let _ = writeln!(text, "# {line}");
+    }
     for (index, column) in columns.iter().enumerate() {
         if column.values.len() != rows {
             return Err(IoError::Length {
@@ -87,7 +104,7 @@ pub fn read_table(file: &Path) -> Result<Vec<TableColumn>, IoError> {
         line,
         reason,
     };
-    let mut lines = text.lines().enumerate();
+    let mut lines = (text.lines().enumerate()).skip_while(|(_, line)| line.starts_with('#'));
     let (_, header) = lines
         .next()
         .ok_or_else(|| fault(1, "the file is empty".into()))?;

@@ -420,3 +420,32 @@ fn faulty_plots_are_refused() {
     }
     assert!(!file.exists());
 }
+
+/// A picture shows the elements that are there and nothing of the others: neither their place, nor their
+/// numbers, nor these in its scale.
+#[test]
+fn what_is_not_there_is_not_drawn() {
+    let mesh = cube();
+    let present: Vec<bool> = (0..8).map(|e| mesh.centroid(e).z < 1.0 || mesh.centroid(e).x < 1.0).collect();
+    let draw = |beyond: f64, present: Option<&[bool]>, name: &str| {
+        let values: Vec<f64> = (0..8_u32)
+            .map(|e| match mesh.centroid(e) {
+                middle if middle.z < 1.0 || middle.x < 1.0 => f64::from(e),
+                _ => beyond,
+            })
+            .collect();
+        let mut picture = Picture::new(&mesh, PictureField::Elemental(&values), "x");
+        picture.present = present;
+        pixels(&picture, name)
+    };
+    let without = draw(0.0, Some(&present), "absent-0");
+    assert!(without == draw(1e6, Some(&present), "absent-1"));
+    assert!(without != draw(0.0, None, "absent-2"));
+    let none = vec![false; 8];
+    let mut picture = Picture::new(&mesh, PictureField::Sets, "x");
+    picture.present = Some(&none);
+    let file = folder("absent-3").join("x.png");
+    assert!(matches!(write_picture(&file, &picture), Err(IoError::NothingToDraw { .. })));
+    picture.present = Some(&none[..3]);
+    assert!(matches!(write_picture(&file, &picture), Err(IoError::Length { found: 3, .. })));
+}

@@ -84,12 +84,14 @@ fn what_is_written_is_read_back() {
         name: "displacement",
         components: 3,
         numbers: VtuNumbers::Real,
+        unit: "",
         values: &values,
     }];
     let in_elements = [VtuField {
         name: "stress",
         components: 6,
         numbers: VtuNumbers::Real,
+        unit: "",
         values: &stress,
     }];
     for precision in [FieldPrecision::Single, FieldPrecision::Double] {
@@ -165,6 +167,7 @@ fn whole_numbers_are_integers() {
             name: "yield_state",
             components: 1,
             numbers: VtuNumbers::Whole,
+        unit: "",
             values,
         }]
     }
@@ -203,6 +206,7 @@ fn faulty_fields_are_refused() {
         name: "velocity",
         components: 3,
         numbers: VtuNumbers::Real,
+        unit: "",
         values: &[0.0; 3],
     }];
     assert!(matches!(
@@ -215,6 +219,7 @@ fn faulty_fields_are_refused() {
         name: "speed",
         components: 1,
         numbers: VtuNumbers::Real,
+        unit: "",
         values: &values,
     }];
     assert!(matches!(
@@ -222,4 +227,77 @@ fn faulty_fields_are_refused() {
         Err(IoError::NotFinite { what, place: 5, .. }) if what == "speed"
     ));
     assert!(!file.exists());
+}
+
+/// Of a body whose elements are not all there a file says which are, and shows nothing of the others: reals are
+/// NaN, whole numbers -1, vectors of nodes that only they have zero. Units and the order of components stand in
+/// the file.
+#[test]
+fn what_is_not_there_is_not_shown() {
+    let mesh = small_box();
+    let folder = folder("present");
+    let file = folder.join("one.vtu");
+    // The upper half is excavated; its numbers may be anything.
+    let present: Vec<bool> = (0..mesh.element_count() as u32)
+        .map(|element| mesh.centroid(element).z < 0.5)
+        .collect();
+    let anything = |count: usize| -> Vec<f64> { (0..count).map(|i| (i as f64).tan()).collect() };
+    let mut stress = anything(6 * mesh.element_count());
+    let absent = present.iter().position(|is| !is).unwrap();
+    stress[6 * absent + 2] = f64::INFINITY;
+    let (moved, peak) = (anything(3 * mesh.node_count()), anything(mesh.node_count()));
+    let flags = vec![2.0; mesh.element_count()];
+    let field = |name, components, numbers, unit, values| VtuField {
+        name,
+        components,
+        numbers,
+        unit,
+        values,
+    };
+    let at_nodes = [
+        field("displacement", 3, VtuNumbers::Real, "m", &moved[..]),
+        field("peak", 1, VtuNumbers::Real, "m/s", &peak),
+    ];
+    let in_elements = [
+        field("stress", 6, VtuNumbers::Real, "Pa", &stress[..]),
+        field("flags", 1, VtuNumbers::Whole, "", &flags),
+    ];
+    let mut writer = VtuWriter::new(&mesh, FieldPrecision::Double).unwrap();
+    assert!(writer.write(&file, 0.0, &at_nodes, &in_elements).is_err());
+    writer.set_present(&mesh, &present);
+    writer.write(&file, 0.0, &at_nodes, &in_elements).unwrap();
+    let content = std::fs::read(&file).unwrap();
+    let whole = |name: &str| -> Vec<i32> {
+        let bytes = array(&content, name);
+        let words = bytes.chunks(4).map(|b| i32::from_le_bytes(b.try_into().unwrap()));
+        words.collect()
+    };
+    let stresses = doubles(&array(&content, "stress"));
+    for (element, &is) in present.iter().enumerate() {
+        assert_eq!(whole("present")[element], i32::from(is));
+        assert_eq!(whole("flags")[element], if is { 2 } else { -1 });
+        for component in 6 * element..6 * element + 6 {
+            let value = stresses[component];
+            assert!(if is { value == stress[component] } else { value.is_nan() });
+        }
+    }
+    let (vectors, peaks) = (doubles(&array(&content, "displacement")), doubles(&array(&content, "peak")));
+    let mut beyond = 0;
+    for (node, position) in mesh.positions().iter().enumerate() {
+        let is_there = position.z < 0.5 + 1e-9;
+        beyond += usize::from(!is_there);
+        assert_eq!(peaks[node].is_nan(), !is_there);
+        assert_eq!(vectors[3 * node + 1], if is_there { moved[3 * node + 1] } else { 0.0 });
+    }
+    assert_eq!(beyond, 31 * 21 * 5);
+    let head = String::from_utf8_lossy(&content);
+    assert!(head.contains(">Pa</InformationKey>") && head.contains("ComponentName5=\"zx\""));
+    let codes = head.split("Name=\"units\"").nth(1).unwrap();
+    let codes = codes.split('>').nth(1).unwrap().split('<').next().unwrap();
+    let text: String = codes
+        .split_whitespace()
+        .map(|code| code.parse::<u8>().unwrap() as char)
+        .collect();
+    assert!(text.contains("stress: Pa (xx yy zz xy yz zx)\n") || text.contains("stress: Pa (xx yy zz xy yz zx)\0"), "{text}");
+    std::fs::remove_dir_all(folder).unwrap();
 }

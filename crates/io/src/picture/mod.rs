@@ -90,6 +90,9 @@ pub struct Picture<'a> {
     pub view: PictureView,
     /// A plane that cuts the body open.
     pub section: Option<SectionPlane>,
+    /// Which elements are there, one flag per element: rooms that are excavated and linings that are not cast
+    /// yet are left out. None: all are.
+    pub present: Option<&'a [bool]>,
     /// Displacements that move the nodes of the body.
     pub deformation: Option<Deformation<'a>>,
     /// Whether the edges of elements are drawn.
@@ -113,6 +116,7 @@ impl<'a> Picture<'a> {
             colours: ColourMap::default(),
             view: PictureView::aslant(),
             section: None,
+            present: None,
             deformation: None,
             edges: true,
             width: 1200,
@@ -176,6 +180,9 @@ impl<'a> Picture<'a> {
                 })
             }
         };
+        if let Some(present) = self.present {
+            length("present", present.len(), self.mesh.element_count())?;
+        }
         let (values, expected) = match self.field {
             PictureField::Sets => (&[][..], 0),
             PictureField::Nodal(values) => (values, self.mesh.node_count()),

@@ -53,7 +53,9 @@ impl Surface {
                 positions: field.positions.clone(),
             };
         }
-        let in_sight = |element: u32| before(mesh.centroid(element));
+        let is_there =
+            |element: u32| (picture.present).is_none_or(|present| present[element as usize]);
+        let in_sight = |element: u32| is_there(element) && before(mesh.centroid(element));
         let elements = 0..mesh.element_count() as u32;
         let bars = elements.filter(|&e| mesh.kind(e).sides().is_empty() && in_sight(e));
         let mut positions = mesh.positions().to_vec();

@@ -92,6 +92,21 @@ impl PvdCollection {
         write_whole(&self.file, self.text().as_bytes())
     }
 
+    /// Takes files that are no longer there out of the collection, and writes it anew if there were some.
+    ///
+    /// # Errors
+    /// The collection's file that could not be written.
+    pub fn keep_existing(&mut self) -> Result<(), IoError> {
+        let before = self.entries.len();
+        let file = &self.file;
+        self.entries
+            .retain(|(.., name)| file.with_file_name(name).exists());
+        match self.entries.len() == before {
+            true => Ok(()),
+            false => write_whole(&self.file, self.text().as_bytes()),
+        }
+    }
+
     fn text(&self) -> String {
         let mut text = String::from(concat!(
             r#"<?xml version="1.0"?>"#,

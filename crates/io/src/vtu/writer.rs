@@ -39,6 +39,9 @@ pub struct VtuField<'a> {
     pub components: usize,
     /// What they are.
     pub numbers: VtuNumbers,
+    /// The unit, such as `Pa`; empty for a number without one. It stands beside the field as VTK's key
+    /// `UNITS_LABEL`, and with all others in the file's text `units`.
+    pub unit: &'a str,
     /// The numbers, group after group.
     pub values: &'a [f64],
 }
@@ -47,10 +50,17 @@ pub struct VtuField<'a> {
 ///
 /// Nodes and elements stand in the mesh's order; their numbers of the input file are the fields
 /// `node_tag` and `element_tag`, the element sets a field of zeros and ones each.
+///
+/// Of a body whose elements are not all there (see [`set_present`](Self::set_present)) files have the
+/// field `present`, 1 for elements that are there. Whatever else a field says of the others is not written:
+/// reals are NaN, whole numbers -1. So are reals and whole numbers of one component at nodes that only
+/// absent elements have; vectors are zero there, so that a body can be drawn deformed.
 pub struct VtuWriter {
     nodes: usize,
     elements: usize,
     precision: FieldPrecision,
+    /// Which nodes and elements are there, if not all are known to be.
+    present: Option<[Vec<bool>; 2]>,
     points: Vec<u8>,
     cells: [Vec<u8>; 3],
     point_static: Arrays,
@@ -92,33 +102,41 @@ impl VtuWriter {
         }
         let tags =
             |tags: &[u64]| -> Vec<u8> { tags.iter().flat_map(|t| t.to_le_bytes()).collect() };
-        let mut cell_static = vec![(
-            r#"type="UInt64" Name="element_tag""#.into(),
-            compressed(&tags(mesh.element_tags()))?,
-        )];
+        let array = |attributes: String, bytes: &[u8]| -> std::io::Result<Array> {
+            let (unit, bytes) = (String::new(), compressed(bytes)?);
+            Ok(Array {
+                attributes,
+                unit,
+                bytes,
+            })
+        };
+        let element_tags = tags(mesh.element_tags());
+        let name = r#"type="UInt64" Name="element_tag""#;
+        let mut cell_static = vec![array(name.into(), &element_tags)?];
         for (name, elements) in mesh.element_sets() {
             let mut inside = vec![0_u8; mesh.element_count()];
             for &element in elements {
                 inside[element as usize] = 1;
             }
             let attributes = format!(r#"type="UInt8" Name="set {}""#, escaped(name));
-            cell_static.push((attributes, compressed(&inside)?));
+            cell_static.push(array(attributes, &inside)?);
         }
         let positions = mesh.positions().iter().flat_map(|p| [p.x, p.y, p.z]);
         Ok(Self {
             nodes: mesh.node_count(),
             elements: mesh.element_count(),
             precision,
+            present: None,
             points: compressed(&float_bytes(positions, true))?,
             cells: [
                 compressed(&connectivity)?,
                 compressed(&offsets)?,
                 compressed(&types)?,
             ],
-            point_static: vec![(
+            point_static: vec![array(
                 r#"type="UInt64" Name="node_tag""#.into(),
-                compressed(&tags(mesh.node_tags()))?,
-            )],
+                &tags(mesh.node_tags()),
+            )?],
             cell_static,
         })
     }
@@ -155,6 +173,7 @@ impl VtuWriter {
             nodes: positions.len(),
             elements: facets.len(),
             precision,
+            present: None,
             points: compressed(&float_bytes(numbers, true))?,
             cells: [
                 compressed(&connectivity)?,
@@ -164,6 +183,25 @@ impl VtuWriter {
             point_static: Vec::new(),
             cell_static: Vec::new(),
         })
+    }
+
+    /// Says which elements of the mesh that it was made of are there in the files from now on.
+    ///
+    /// # Panics
+    /// If there is not one flag for each element.
+    pub fn set_present(&mut self, mesh: &Mesh, present: &[bool]) {
+        assert_eq!(present.len(), self.elements, "a flag for each element");
+        // Nodes without any element are left as they are.
+        let mut nodes = vec![true; self.nodes];
+        for is_there in [false, true] {
+            let elements = 0..self.elements as u32;
+            for element in elements.filter(|&element| present[element as usize] == is_there) {
+                for &node in mesh.nodes_of(element) {
+                    nodes[node as usize] = is_there;
+                }
+            }
+        }
+        self.present = Some([nodes, present.to_vec()]);
     }
 
     /// Writes one instant: fields at nodes and in elements.
@@ -178,13 +216,40 @@ impl VtuWriter {
         at_nodes: &[VtuField],
         in_elements: &[VtuField],
     ) -> Result<(), IoError> {
-        let nodal = self.encode(file, at_nodes, self.nodes)?;
-        let elemental = self.encode(file, in_elements, self.elements)?;
-        let content = self.document(time, &nodal, &elemental);
+        let [nodes, elements] = match &self.present {
+            Some([nodes, elements]) => [Some(&nodes[..]), Some(&elements[..])],
+            None => [None, None],
+        };
+        let nodal = self.encode(file, at_nodes, (self.nodes, nodes))?;
+        let mut elemental = self.encode(file, in_elements, (self.elements, elements))?;
+        if let Some(elements) = elements {
+            let flags: Vec<f64> = elements.iter().map(|&is| f64::from(u8::from(is))).collect();
+            let field = VtuField {
+                name: PRESENT,
+                components: 1,
+                numbers: VtuNumbers::Whole,
+                unit: "",
+                values: &flags,
+            };
+            elemental.extend(self.encode(file, &[field], (self.elements, None))?);
+        }
+        let mut units = String::new();
+        for field in at_nodes.iter().chain(in_elements) {
+            let _ = match field.unit {
+                "" => Ok(()),
+                unit => writeln!(units, "{}: {unit}{}", field.name, order(field.components)),
+            };
+        }
+        let content = self.document((time, &units), &nodal, &elemental);
         write_whole(file, &content)
     }
 
-    fn encode(&self, file: &Path, fields: &[VtuField], count: usize) -> Result<Arrays, IoError> {
+    fn encode(
+        &self,
+        file: &Path,
+        fields: &[VtuField],
+        (count, present): (usize, Option<&[bool]>),
+    ) -> Result<Arrays, IoError> {
         let double = self.precision == FieldPrecision::Double;
         let mut encoded = Vec::with_capacity(fields.len());
         for field in fields {
@@ -197,22 +262,35 @@ impl VtuWriter {
                     expected,
                 });
             }
-            if let Some(place) = field.values.iter().position(|value| !value.is_finite()) {
+            let absent = |place: &usize| {
+                present.is_some_and(|present| !present[place / field.components.max(1)])
+            };
+            let mut finite = field.values.iter().enumerate();
+            if let Some((place, &value)) =
+                finite.find(|(place, value)| !value.is_finite() && !absent(place))
+            {
                 return Err(IoError::NotFinite {
                     file: file.into(),
                     what: field.name.into(),
                     place,
-                    value: field.values[place],
+                    value,
                 });
             }
-            let values = field.values;
+            let blank = match field.numbers {
+                _ if field.components == 3 => 0.0,
+                VtuNumbers::Real => f64::NAN,
+                VtuNumbers::Whole => -1.0,
+            };
+            let shown = || {
+                let values = field.values.iter().enumerate();
+                values.map(|(place, &value)| if absent(&place) { blank } else { value })
+            };
             let (kind, bytes) = match field.numbers {
-                VtuNumbers::Real if double => {
-                    ("Float64", float_bytes(values.iter().copied(), true))
-                }
-                VtuNumbers::Real => ("Float32", float_bytes(values.iter().copied(), false)),
+                VtuNumbers::Real if double => ("Float64", float_bytes(shown(), true)),
+                VtuNumbers::Real => ("Float32", float_bytes(shown(), false)),
                 VtuNumbers::Whole => {
-                    let bytes = whole_bytes(values).map_err(|place| IoError::NotWhole {
+                    let values: Vec<f64> = shown().collect();
+                    let bytes = whole_bytes(&values).map_err(|place| IoError::NotWhole {
                         file: file.into(),
                         what: field.name.into(),
                         place,
@@ -227,12 +305,22 @@ impl VtuWriter {
                 escaped(field.name),
                 field.components
             );
-            encoded.push((attributes, compressed(&bytes).map_err(IoError::file(file))?));
+            let bytes = compressed(&bytes).map_err(IoError::file(file))?;
+            encoded.push(Array {
+                attributes,
+                unit: field.unit.into(),
+                bytes,
+            });
         }
         Ok(encoded)
     }
 
-    fn document(&self, time: f64, at_nodes: &Arrays, in_elements: &Arrays) -> Vec<u8> {
+    fn document(
+        &self,
+        (time, units): (f64, &str),
+        at_nodes: &Arrays,
+        in_elements: &Arrays,
+    ) -> Vec<u8> {
         let mut body = Body::default();
         body.open(&format!(
             r#"Piece NumberOfPoints="{}" NumberOfCells="{}""#,
@@ -247,25 +335,37 @@ impl VtuWriter {
             borrowed(in_elements).chain(borrowed(&self.cell_static)),
         );
         let positions = r#"type="Float64" Name="Points" NumberOfComponents="3""#;
-        body.group("Points", [(positions, self.points.as_slice())]);
+        body.group("Points", [(positions, "m", self.points.as_slice())]);
         let names = [
             r#"type="Int64" Name="connectivity""#,
             r#"type="Int64" Name="offsets""#,
             r#"type="UInt8" Name="types""#,
         ];
         let cells = self.cells.iter().map(Vec::as_slice);
-        body.group("Cells", names.into_iter().zip(cells));
-        body.finish(time)
+        let arrays = names.into_iter().zip(cells);
+        body.group("Cells", arrays.map(|(name, bytes)| (name, "", bytes)));
+        body.finish(time, units)
     }
 }
 
-/// Attributes and compressed bytes of data arrays.
-type Arrays = Vec<(String, Vec<u8>)>;
+/// The field that says which elements are there.
+const PRESENT: &str = "present";
 
-fn borrowed(arrays: &Arrays) -> impl Iterator<Item = (&str, &[u8])> {
+/// A data array.
+struct Array {
+    attributes: String,
+    /// Empty for none.
+    unit: String,
+    /// Compressed.
+    bytes: Vec<u8>,
+}
+
+type Arrays = Vec<Array>;
+
+fn borrowed(arrays: &Arrays) -> impl Iterator<Item = (&str, &str, &[u8])> {
     arrays
         .iter()
-        .map(|(attributes, bytes)| (attributes.as_str(), bytes.as_slice()))
+        .map(|array| (&*array.attributes, &*array.unit, &*array.bytes))
 }
 
 /// The XML part and, after it, the bytes that it points into.
@@ -279,19 +379,29 @@ impl Body {
     fn open(&mut self, tag: &str) {
         let _ = writeln!(self.xml, "<{tag}>");
     }
-    fn group<'a>(&mut self, tag: &str, arrays: impl IntoIterator<Item = (&'a str, &'a [u8])>) {
+    /// Arrays: attributes, unit, compressed bytes.
+    fn group<'a>(
+        &mut self,
+        tag: &str,
+        arrays: impl IntoIterator<Item = (&'a str, &'a str, &'a [u8])>,
+    ) {
         let _ = writeln!(self.xml, "<{tag}>");
-        for (attributes, bytes) in arrays {
+        for (attributes, unit, bytes) in arrays {
             let offset = self.appended.len();
-            let _ = writeln!(
-                self.xml,
-                r#"<DataArray {attributes} format="appended" offset="{offset}"/>"#
-            );
+            let start = format!(r#"<DataArray {attributes} format="appended" offset="{offset}""#);
+            let _ = match unit {
+                "" => writeln!(self.xml, "{start}/>"),
+                unit => writeln!(
+                    self.xml,
+                    r#"{start}><InformationKey name="UNITS_LABEL" location="vtkDataArray">{}</InformationKey></DataArray>"#,
+                    escaped(unit)
+                ),
+            };
             self.appended.extend_from_slice(bytes);
         }
         let _ = writeln!(self.xml, "</{tag}>");
     }
-    fn finish(self, time: f64) -> Vec<u8> {
+    fn finish(self, time: f64, units: &str) -> Vec<u8> {
         let mut out = format!(
             concat!(
                 r#"<?xml version="1.0"?>"#,
@@ -300,11 +410,12 @@ impl Body {
                 r#"header_type="UInt64" compressor="vtkZLibDataCompressor">"#,
                 "\n<UnstructuredGrid>\n<FieldData>\n",
                 r#"<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">"#,
-                "{time}</DataArray>\n</FieldData>\n{xml}</Piece>\n</UnstructuredGrid>\n",
+                "{time}</DataArray>\n{units}</FieldData>\n{xml}</Piece>\n</UnstructuredGrid>\n",
                 r#"<AppendedData encoding="raw">"#,
                 "\n_"
             ),
             time = time,
+            units = text_array("units", units),
             xml = self.xml
         )
         .into_bytes();
@@ -314,13 +425,37 @@ impl Body {
     }
 }
 
-fn component_names(components: usize) -> String {
-    let names: &[&str] = match components {
+/// The components of a vector or a symmetric tensor, in order.
+fn components_of(components: usize) -> &'static [&'static str] {
+    match components {
         3 => &["x", "y", "z"],
         6 => &["xx", "yy", "zz", "xy", "yz", "zx"],
         _ => &[],
-    };
-    let named = names.iter().enumerate();
+    }
+}
+
+/// The order of components, as a text for people.
+fn order(components: usize) -> String {
+    match components_of(components) {
+        [] => String::new(),
+        names => format!(" ({})", names.join(" ")),
+    }
+}
+
+/// A text as a field of a file: the codes of its bytes, and a zero at its end. Nothing for no text.
+fn text_array(name: &str, text: &str) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    let codes = text.trim_end().bytes().map(|byte| format!("{byte} "));
+    let codes: String = codes.collect();
+    format!(
+        "<DataArray type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">{codes}0</DataArray>\n"
+    )
+}
+
+fn component_names(components: usize) -> String {
+    let named = components_of(components).iter().enumerate();
     named.fold(String::new(), |mut text, (index, name)| {
         let _ = write!(text, r#" ComponentName{index}="{name}""#);
         text
