@@ -7,7 +7,7 @@ use powerhouse_explicit_core::{StageError, StaticError};
 use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
 use thiserror::Error;
 
-use crate::{MirrorError, Problem, RegionError, Results, SceneFault, StagingError};
+use crate::{FolderError, MirrorError, Problem, RegionError, Results, SceneFault, StagingError};
 
 /// Why a scene cannot be read, composed, run or written.
 #[derive(Debug, Error)]
@@ -35,6 +35,9 @@ pub enum Error {
     /// A file that cannot be written.
     #[error(transparent)]
     Write(#[from] powerhouse_io::IoError),
+    /// A folder that does not take the files of a run, or lost them.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// Elements that belong to no part, or to several.
     #[error("element {element} belongs to {count} parts, it must belong to one")]
     PartCount {

@@ -74,13 +74,13 @@ pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use output::{
-    BoltForces, CutWish, EnergyResidual, EnvelopeWish, HistoryWish, JointWish, OutputPlan,
+    BoltForces, CutWish, EnergyResidual, EnvelopeWish, FolderError, FolderLock, HistoryWish, JointWish, OutputPlan,
     RelativeWish, ResultFolder, Results, SnapshotWish, StateWish, StressWish, file_name,
 };
 pub use part::{Kernel, Material, Part};
 pub use reduction::reduction_layer;
 pub use registry::Registry;
-pub use remark::Remark;
+pub use remark::{Doubt, Remark, RunNotes, Topic};
 pub use scene::{
     Boundary, InitialMotion, LawMemory, Mirror, MirrorError, Parity, RegionError, ResidualLimit,
     Scene, TimeStep,

@@ -5,6 +5,8 @@ use core::fmt;
 use powerhouse_model::Vec3;
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
+use serde::Serialize;
+
 use crate::{DampingCost, Results};
 
 /// Something that a user should know of a scene.
@@ -90,6 +92,17 @@ pub enum Remark {
         /// The element's number.
         element: u64,
     },
+    /// Section forces through linear tetrahedra, which are too stiff in bending.
+    TetrahedralSection {
+        /// The name of the section.
+        section: String,
+        /// The set that it cuts.
+        set: String,
+        /// How many of the elements that it cuts are tetrahedra.
+        elements: usize,
+        /// How many it cuts.
+        of: usize,
+    },
     /// A joint moved farther than pairs that keep their nodes can follow; found after the run.
     LargeSlip {
         /// The joint's name.
@@ -136,12 +149,100 @@ pub enum Remark {
     },
 }
 
+/// What of the results a doubt is about: reports put it there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Topic {
+    /// The motion that comes in.
+    Input,
+    /// Motions, stresses and states against time, and their greatest values.
+    Histories,
+    /// Section forces.
+    Sections,
+    /// Joints.
+    Joints,
+    /// Bolts.
+    Bolts,
+    /// The energy account.
+    Energy,
+    /// All of the run.
+    Run,
+}
+
+/// A doubt about results as files and reports have it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Doubt {
+    /// What it is about.
+    pub about: Topic,
+    /// One sentence.
+    pub text: String,
+}
+
+/// What the files of a run say beside its results.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunNotes {
+    /// What was found while the scene was composed.
+    pub remarks: Vec<Remark>,
+    /// Doubts that were found otherwise, such as those of a check.
+    pub warnings: Vec<Doubt>,
+}
+
+impl RunNotes {
+    /// Doubts about a topic.
+    pub(crate) fn about(&self, topic: Topic) -> Vec<String> {
+        let doubts = self.doubts(&[]).into_iter();
+        let own = doubts.filter(|doubt| doubt.about == topic);
+        own.map(|doubt| format!("warning: {}", doubt.text)).collect()
+    }
+    /// All doubts, those of the results themselves last; each once.
+    pub(crate) fn doubts(&self, of_results: &[Remark]) -> Vec<Doubt> {
+        let remarks = self.remarks.iter().filter(|remark| remark.is_warning());
+        let mut doubts: Vec<Doubt> = Vec::new();
+        let all = (remarks.map(Remark::doubt))
+            .chain(self.warnings.iter().cloned())
+            .chain(of_results.iter().map(Remark::doubt));
+        for doubt in all {
+            if doubts.iter().all(|known| known.text != doubt.text) {
+                doubts.push(doubt);
+            }
+        }
+        doubts
+    }
+    /// What is no doubt.
+    pub(crate) fn facts(&self) -> Vec<String> {
+        let facts = self.remarks.iter().filter(|remark| !remark.is_warning());
+        facts.map(Remark::to_string).collect()
+    }
+}
+
 impl Remark {
+    /// What of the results it is about.
+    pub fn topic(&self) -> Topic {
+        match self {
+            Self::Record { .. }
+            | Self::RecordFile { .. }
+            | Self::Conversion { .. }
+            | Self::UnusedRecord { .. } => Topic::Input,
+            Self::TetrahedralSection { .. } => Topic::Sections,
+            Self::LargeSlip { .. } => Topic::Joints,
+            Self::NoState { .. } => Topic::Histories,
+            _ => Topic::Run,
+        }
+    }
+    /// As files have it, whether it is a doubt or not.
+    pub fn doubt(&self) -> Doubt {
+        Doubt {
+            about: self.topic(),
+            text: self.to_string(),
+        }
+    }
     /// Whether it is a doubt about the result, not only a fact.
     pub fn is_warning(&self) -> bool {
         match self {
             Self::DampedRim { .. }
             | Self::LargeSlip { .. }
+            | Self::TetrahedralSection { .. }
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }
@@ -265,6 +366,15 @@ impl fmt::Display for Remark {
                 f,
                 "joint '{joint}' moved by {share:.2} of its facets' edges; its pairs keep their nodes, which holds up to about {:.2}",
                 Results::SMALL_SLIP
+            ),
+            Self::TetrahedralSection {
+                section,
+                set,
+                elements,
+                of,
+            } => write!(
+                f,
+                "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; mesh '{set}' with hexahedra or wedges, several across its thickness (finer tetrahedra come nearer slowly)"
             ),
             Self::NonlinearRim { set, law } => write!(
                 f,

@@ -14,7 +14,7 @@ use powerhouse_model::{
     Cadence, HistoryVariable, IncidentField, Mesh, ModelError, Observer, TimeIntegrator,
 };
 
-use crate::output::{OutputPlan, Recordings, Results};
+use crate::output::{Named, OutputPlan, Recordings, Results};
 use crate::scene::{Places, ResidualLimit, TimeStep, field_motion};
 use crate::stage::{BodyAtRest, Rested, StageSink, Staging};
 use crate::{Error, Remark, SceneText};
@@ -114,6 +114,30 @@ impl Simulation {
     /// The sides of the joints, by name.
     pub fn joint_surfaces(&self) -> &[(String, JointSurface)] {
         self.observed.0.joint_surfaces()
+    }
+    /// Which elements of the mesh are there when the body moves, one flag per element: stages may have
+    /// excavated some, or not cast them. None if all are.
+    pub fn present(&self) -> Option<&[bool]> {
+        self.observed.0.present()
+    }
+    /// The files that a run may write, below its folder; that of snapshots stands for all of them.
+    pub fn result_files(&self) -> Vec<String> {
+        let scene = self.staging.as_ref().map(|staging| &staging.scene);
+        let joints = self.joint_surfaces().iter();
+        let named = Named {
+            plan: &self.plan,
+            joints: joints.map(|(name, _)| name.as_str()).collect(),
+            stages: scene.map_or_else(Vec::new, |scene| {
+                let stages = scene.stages.iter();
+                stages.map(|stage| stage.name.as_str()).collect()
+            }),
+            bolts: scene.map_or_else(Vec::new, |scene| {
+                let bolts = scene.bolts.iter();
+                bolts.map(|bolts| bolts.name.as_str()).collect()
+            }),
+            variables: &self.variables,
+        };
+        named.files()
     }
     /// What was found while the scene was composed.
     pub fn remarks(&self) -> &[Remark] {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::Ended;
-use powerhouse::engine::observe::Motion;
+use powerhouse::engine::observe::{Cut, Motion};
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{
     Cadence, Fields, Flow, Mesh, ModelError, Observer, ParameterError, RunError, StepView, Vec3,
@@ -13,7 +13,7 @@ use powerhouse::model::{
 use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
     Boundary, Error, Material, OutputPlan, Part, Registry, ResidualLimit, ResultFolder, Results,
-    RunHooks, Scene, SnapshotWish,
+    RunHooks, RunNotes, Scene, SnapshotWish,
 };
 
 const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
@@ -158,7 +158,7 @@ fn a_failed_run_keeps_what_it_recorded() {
 
     let results_of = ResultFolder::new(&folder.0);
     results_of
-        .write(("cube", &mesh), &results, &[], None)
+        .write(("cube", &mesh), &results, &RunNotes::default(), None)
         .unwrap();
     let summary = std::fs::read_to_string(folder.0.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
@@ -185,15 +185,11 @@ fn old_results_do_not_mix_with_new_ones() {
         results_of.create().unwrap();
         results_of.clear().unwrap();
         let hooks = RunHooks {
-            snapshots: Some(
-                results_of
-                    .snapshots(&mesh, simulation.joint_surfaces())
-                    .unwrap(),
-            ),
+            snapshots: Some(results_of.snapshots(&simulation).unwrap()),
             ..RunHooks::default()
         };
         let results = simulation.run(hooks).unwrap();
-        let files = results_of.write(("cube", &mesh), &results, &[], None);
+        let files = results_of.write(("cube", &mesh), &results, &RunNotes::default(), None);
         files.unwrap().contains(&folder.0.join("snapshots.pvd"))
     };
     assert!(go(true));
@@ -271,6 +267,58 @@ fn a_file_sets_the_limit_of_the_balance() {
         match read(wrong) {
             Err(Error::Scene(fault)) => assert_eq!(fault.position(), (2, 19), "{fault}"),
             _ => panic!("{wrong} was accepted"),
+        }
+    }
+}
+
+/// Section forces through linear tetrahedra are doubted by the name of the section, with the way out, where
+/// they are shown: in the remarks of the run, in the head of their table and in the summary. Cuts through bricks
+/// are not, nor are tetrahedra that no section cuts.
+#[test]
+fn sections_through_tetrahedra_are_doubted() {
+    let size = Vec3::new(40.0, 30.0, 20.0);
+    let bricks = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
+    let tetrahedra = Mesh::box_of_tets(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
+    let cut = Cut {
+        name: "waist".into(),
+        point: Vec3::new(15.0, 15.0, 10.0),
+        normal: Vec3::x(),
+        along: Vec3::y(),
+        within: None,
+    };
+    for (name, mesh, is_cut, doubted) in [
+        ("bricks", bricks, true, false),
+        ("tets", tetrahedra.clone(), true, true),
+        ("uncut", tetrahedra, false, false),
+    ] {
+        let folder = Folder::new(&format!("cut-{name}"));
+        let rock = Material::from(LinearElastic::new(media::ROCK));
+        let plan = OutputPlan::default();
+        let plan = if is_cut { plan.cut("rock", cut.clone()) } else { plan };
+        let scene = Scene::new("cut", mesh)
+            .part(Part::new("rock", rock))
+            .duration(0.01)
+            .output(plan);
+        let simulation = scene.prepare().unwrap();
+        let notes = RunNotes {
+            remarks: simulation.remarks().to_vec(),
+            ..RunNotes::default()
+        };
+        let told = notes.remarks.iter().filter(|remark| remark.is_warning());
+        let told: Vec<String> = told.map(ToString::to_string).collect();
+        let says = |text: &str| text.contains("section 'waist' cuts") && text.contains("hexahedra or wedges");
+        assert_eq!(told.iter().any(|text| says(text)), doubted, "{name}: {told:?}");
+        let mesh = simulation.mesh().clone();
+        let results = simulation.run(RunHooks::default()).unwrap();
+        let out = ResultFolder::new(&folder.0);
+        out.write(("cut", &mesh), &results, &notes, None).unwrap();
+        let read = |file: &str| std::fs::read_to_string(folder.0.join(file)).unwrap_or_default();
+        assert_eq!(says(&read("summary.json")), doubted, "{name}");
+        let table = read("sections.csv");
+        assert_eq!(table.starts_with("# warning: ") && says(&table), doubted, "{table}");
+        if is_cut {
+            let columns = powerhouse::io::read_table(&folder.0.join("sections.csv")).unwrap();
+            assert!(columns.len() > 1);
         }
     }
 }

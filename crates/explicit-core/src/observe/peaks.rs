@@ -57,7 +57,18 @@ pub struct PeakTable {
     pub rows: Vec<PeakRow>,
 }
 
+/// The share of the largest peak of a unit below which a peak is rounding: a few times what sums over a run
+/// leave of zero in double precision.
+const ROUNDING: f64 = 1e-12;
+
 impl PeakTable {
+    /// Whether a peak is no motion but rounding beside the others of its unit: below 1e-12 of the largest.
+    pub fn is_rounding(&self, row: &PeakRow) -> bool {
+        let of_unit = self.rows.iter().filter(|other| other.unit == row.unit);
+        let largest = of_unit.fold(0.0_f64, |most, other| most.max(other.value.abs()));
+        row.value != 0.0 && row.value.abs() < ROUNDING * largest
+    }
+
     /// Adds the value of largest magnitude of every column; of equal ones the first.
     pub fn add_history(&mut self, table: &HistoryTable) {
         for column in &table.columns {
@@ -162,7 +173,7 @@ impl PeakTable {
 }
 
 impl fmt::Display for PeakTable {
-    /// One line per row: name, value, unit, time and place.
+    /// One line per row: name, value, unit, time and place; zero, and that it is, for what is rounding.
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         let width = self
             .rows
@@ -178,6 +189,14 @@ impl fmt::Display for PeakTable {
                 time,
                 place,
             } = row;
+            if self.is_rounding(row) {
+                writeln!(
+                    formatter,
+                    "{name:width$}  {:>12} {unit:<6} below rounding",
+                    0
+                )?;
+                continue;
+            }
             write!(
                 formatter,
                 "{name:width$}  {value:>12.4e} {unit:<6} at {time:>9.4} s"

@@ -58,15 +58,17 @@ pub fn file_name(name: &str) -> String {
     name.chars().map(plain).collect()
 }
 
-/// Writes a picture of a field on the body, cut open across y in the middle of its box.
+/// Writes a picture of a field on the body, cut open across y in the middle of its box; of the elements that
+/// are there, if not all are.
 pub(super) fn picture(
     file: &Path,
-    mesh: &Mesh,
+    (mesh, present): (&Mesh, Option<&[bool]>),
     (name, unit): (&str, &str),
     field: PictureField,
 ) -> Result<(), IoError> {
     let (low, high) = mesh.bounding_box();
     let mut picture = Picture::new(mesh, field, format!("{name} ({unit})"));
+    picture.present = present;
     picture.section = Some(SectionPlane {
         point: (low + high) / 2.0,
         normal: -Vec3::y(),

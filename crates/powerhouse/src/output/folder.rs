@@ -1,25 +1,29 @@
 //! The files of a run.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{HistoryTable, SnapshotSink};
-use powerhouse_io::{IoError, TableColumn, write_summary, write_table, write_whole};
+use powerhouse_io::{
+    IoError, TableColumn, free_space, write_noted_table, write_summary, write_table, write_whole,
+};
 use powerhouse_model::Mesh;
 
 use super::joints::JointFacets;
+use super::lock::{FolderError, FolderLock};
 use super::stages::StageFiles;
 use super::summary::Summary;
 use super::{Results, drawing, vtu};
-use crate::{Error, Remark, StageSink};
+use crate::remark::{RunNotes, Topic};
+use crate::{Error, Simulation, StageSink};
 
 /// A folder that takes the files of a run.
 ///
 /// | file | what |
 /// |---|---|
-/// | `summary.json` | steps, step, wall time, peaks, energies at the end, remarks |
+/// | `summary.json` | steps, step, wall time, peaks, energies at the end, warnings and remarks, the names of all files; written last, `incomplete` until then |
 /// | `histories.csv` | histories and relative displacements |
 /// | `sections.csv` | section forces |
 /// | `energies.csv` | the energy ledger |
@@ -36,21 +40,25 @@ use crate::{Error, Remark, StageSink};
 /// | `snapshots.pvd` and a folder beside it | whole fields, and the facets of joints, for ParaView |
 /// | `scene.toml` | the scene as it was run |
 ///
-/// Every file is written whole or not at all. [`create`](Self::create) and [`clear`](Self::clear)
-/// before a run see to it that its results find their place, and no older ones beside them.
+/// Where stages have excavated elements, or not cast them, pictures leave these out, and VTU files have the
+/// field `present` (1 there, 0 not) and NaN or -1 in all others (see [`powerhouse_io::VtuWriter`]).
+///
+/// Every file is written whole or not at all. [`lock`](Self::lock), [`prove`](Self::prove) and
+/// [`clear`](Self::clear) before a run see to it that its results find their place, and neither those of
+/// another run nor older ones beside them.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
     path: PathBuf,
 }
 
 /// The collection of snapshots.
-const SNAPSHOTS: &str = "snapshots.pvd";
+pub(super) const SNAPSHOTS: &str = "snapshots.pvd";
 /// The folder of stages.
-const STAGES: &str = "stages";
+pub(super) const STAGES: &str = "stages";
 /// The file that marks a folder of results.
-const SUMMARY: &str = "summary.json";
+pub(super) const SUMMARY: &str = "summary.json";
 /// Tables, with a plot of each of their names.
-const TABLES: [&str; 5] = [
+pub(super) const TABLES: [&str; 5] = [
     "histories.csv",
     "sections.csv",
     "energies.csv",
@@ -58,9 +66,11 @@ const TABLES: [&str; 5] = [
     "bolts.csv",
 ];
 /// Greatest values, with a picture of each.
-const ENVELOPE: &str = "envelope.vtu";
+pub(super) const ENVELOPE: &str = "envelope.vtu";
 /// The greatest of what laws remember, with a picture of each.
-const STATE: &str = "state.vtu";
+pub(super) const STATE: &str = "state.vtu";
+/// The start of the name of a file that is only tried.
+const PROBE: &str = ".writable";
 
 impl ResultFolder {
     /// A folder, which is made with its first file or by [`create`](Self::create).
@@ -77,9 +87,56 @@ impl ResultFolder {
     /// # Errors
     /// The file that could not be written.
     pub fn create(&self) -> Result<(), Error> {
-        let probe = self.path.join(".writable");
-        write_whole(&probe, b"")?;
-        remove(&probe)
+        probe(&self.path.join(PROBE))
+    }
+
+    /// Takes the folder for one run, until the lock is dropped; the folder is made if there is none.
+    ///
+    /// # Errors
+    /// [`FolderError::Busy`] if another run has it; the file that could not be written.
+    pub fn lock(&self) -> Result<FolderLock, Error> {
+        FolderLock::take(&self.path)
+    }
+
+    /// Sees that a run can write all its files at its end: that each has a place and a name of a length that
+    /// the system takes, and that there is room for their size (bytes), as far as the system tells. Nothing is
+    /// left of what is tried, and files of earlier runs stay.
+    ///
+    /// # Errors
+    /// [`FolderError::InTheWay`], [`FolderError::NoRoom`], or the file that could not be written.
+    pub fn prove(&self, simulation: &Simulation, size: u64) -> Result<(), Error> {
+        let mut longest: BTreeMap<PathBuf, usize> = BTreeMap::new();
+        for name in simulation.result_files() {
+            let file = self.path.join(name);
+            if file.is_dir() {
+                return Err(FolderError::InTheWay { file }.into());
+            }
+            let length = file.file_name().map_or(0, |name| name.len());
+            let folder = file.parent().unwrap_or(&self.path).to_path_buf();
+            let known = longest.entry(folder).or_default();
+            *known = length.max(*known);
+        }
+        for (folder, length) in longest {
+            let was_there = folder.is_dir();
+            // As long as the longest name, and no file of anybody.
+            probe(&folder.join(format!("{PROBE:x<length$}")))?;
+            if !was_there {
+                // It stays if somebody has put something there meanwhile.
+                let _ = fs::remove_dir(&folder);
+            }
+        }
+        match free_space(&self.path) {
+            Some(free) if free < size => {
+                let (folder, needed) = (self.path.clone(), size);
+                Err(FolderError::NoRoom {
+                    folder,
+                    needed,
+                    free,
+                }
+                .into())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Removes what an earlier run left: its snapshots and stages, and, if there is a summary that this
@@ -127,86 +184,55 @@ impl ResultFolder {
         files.map(|entry| entry.path()).collect()
     }
 
-    /// A sink that writes snapshots of a mesh and of the sides of its joints, by name, as VTU files
-    /// and a PVD collection.
+    /// A sink that writes snapshots of a run, and of the sides of its joints, as VTU files and a PVD
+    /// collection.
     ///
     /// # Errors
     /// A mesh that VTU files cannot hold.
-    pub fn snapshots(
-        &self,
-        mesh: &Mesh,
-        joints: &[(String, JointSurface)],
-    ) -> Result<Box<dyn SnapshotSink>, Error> {
-        Ok(vtu::snapshots(self.path.join(SNAPSHOTS), mesh, joints)?)
+    pub fn snapshots(&self, simulation: &Simulation) -> Result<Box<dyn SnapshotSink>, Error> {
+        let body = (&**simulation.mesh(), simulation.present());
+        let file = self.path.join(SNAPSHOTS);
+        Ok(vtu::snapshots(file, body, simulation.joint_surfaces())?)
     }
 
-    /// A sink that writes what the stages of a scene leave of a mesh and of the sides of its joints, by
-    /// name.
+    /// A sink that writes what the stages of a scene leave of its body and of the sides of its joints.
     ///
     /// # Errors
     /// A mesh that VTU files cannot hold.
-    pub fn stages(
-        &self,
-        mesh: &Mesh,
-        joints: &[(String, JointSurface)],
-    ) -> Result<Box<dyn StageSink>, Error> {
+    pub fn stages(&self, simulation: &Simulation) -> Result<Box<dyn StageSink>, Error> {
+        let (mesh, joints) = (simulation.mesh(), simulation.joint_surfaces());
         let files = StageFiles::new(self.path.join(STAGES), mesh, joints)?;
         Ok(Box::new(files))
     }
 
     /// Writes the results, and the scene's text if there is one; returns the files written, the
-    /// collection of snapshots among them; those of stages are written as they come to rest.
+    /// collection of snapshots among them; those of stages are written as they come to rest. A file that
+    /// cannot be written does not keep the others from it. The summary says that the run is incomplete until
+    /// all others are there.
     ///
     /// # Errors
-    /// The file that could not be written.
+    /// The first file that could not be written.
     pub fn write(
         &self,
         (title, mesh): (&str, &Mesh),
         results: &Results,
-        remarks: &[Remark],
+        notes: &RunNotes,
         scene: Option<&str>,
     ) -> Result<Vec<PathBuf>, Error> {
         let mut files = Files {
             folder: &self.path,
             written: Vec::new(),
+            failure: None,
         };
-        let summary = Summary::new(title, mesh, results, remarks);
-        files.write(SUMMARY, |file| write_summary(file, &summary))?;
+        let mut summary = Summary::new(title, mesh, results, notes);
+        let ended = summary.interrupt("its files are not all written");
+        files.write(SUMMARY, |file| write_summary(file, &summary));
+        files.written.clear();
         if let Some(text) = scene {
-            files.write("scene.toml", |file| write_whole(file, text.as_bytes()))?;
+            files.write("scene.toml", |file| write_whole(file, text.as_bytes()));
         }
-        let tables = [
-            &results.histories,
-            &results.sections,
-            &results.energies,
-            &results.joint_histories,
-            &results.bolt_histories,
-        ];
-        for (name, table) in TABLES.into_iter().zip(tables) {
-            if !table.times.is_empty() {
-                let columns = columns(table);
-                files.write(name, |file| write_table(file, &columns))?;
-            }
-        }
-        for table in [&results.histories, &results.sections] {
-            for (name, plot) in drawing::plots(&columns(table)) {
-                files.write(&format!("plots/{name}.svg"), plot)?;
-            }
-        }
-        for (kind, table) in [
-            ("joint", &results.joint_histories),
-            ("bolts", &results.bolt_histories),
-        ] {
-            for (name, plot) in drawing::plots(&columns(table)) {
-                files.write(&format!("plots/{kind}-{name}.svg"), plot)?;
-            }
-        }
-        if !results.energies.times.is_empty() {
-            let columns = columns(&results.energies);
-            files.write("plots/energies.svg", |file| {
-                drawing::plot(file, "energies", &columns)
-            })?;
-        }
+        self.write_tables(&mut files, results, notes);
+        let present = results.present.as_deref();
         let envelope = results.envelope.as_ref();
         let envelope = envelope.map(|envelope| vtu::EnvelopeFields::new(envelope, mesh));
         let state = results.state.as_ref();
@@ -215,34 +241,79 @@ impl ResultFolder {
             let Some(fields) = fields else {
                 continue;
             };
-            files.write(name, |file| fields.write(file, mesh, results.run.time))?;
+            let time = results.run.time;
+            files.write(name, |file| fields.write(file, (mesh, present), time));
             for (name, field, unit) in fields.peaks() {
                 files.write(
                     &format!("pictures/{}.png", drawing::file_name(name)),
-                    |file| drawing::picture(file, mesh, (name, unit), field),
-                )?;
+                    |file| drawing::picture(file, (mesh, present), (name, unit), field),
+                );
             }
         }
         for (surface, table) in results.joint_surfaces.iter().zip(&results.joints) {
             let plain = drawing::file_name(&table.name);
             let name = format!("joints/{plain}.vtu");
-            let facets = JointFacets::new(&self.path.join(&name), mesh, surface)?;
-            files.write(&name, |file| facets.write(file, table, results.run.time))?;
+            let facets = JointFacets::new(&self.path.join(&name), mesh, surface, present)?;
+            let Some(facets) = facets else {
+                continue;
+            };
+            files.write(&name, |file| facets.write(file, table, results.run.time));
             for picture in facets.pictures(table) {
                 let what = drawing::file_name(picture.name);
                 files.write(&format!("pictures/joint-{plain}-{what}.png"), |file| {
                     drawing::joint_picture(file, mesh, &table.name, &picture)
-                })?;
+                });
             }
-        }
-        for bolts in &results.bolts {
-            let name = format!("bolts/{}.csv", drawing::file_name(&bolts.name));
-            files.write(&name, |file| write_table(file, &bolts.columns()))?;
         }
         if results.snapshots > 0 {
             files.written.push(self.path.join(SNAPSHOTS));
         }
-        Ok(files.written)
+        // Last, so that who finds it finds the others.
+        if files.failure.is_none() {
+            summary.complete(ended, files.names());
+        }
+        files.write(SUMMARY, |file| write_summary(file, &summary));
+        match files.failure {
+            Some(failure) => Err(failure.into()),
+            None => Ok(files.written),
+        }
+    }
+
+    /// Writes the tables and draws them.
+    fn write_tables(&self, files: &mut Files, results: &Results, notes: &RunNotes) {
+        let tables = [
+            (&results.histories, Topic::Histories),
+            (&results.sections, Topic::Sections),
+            (&results.energies, Topic::Energy),
+            (&results.joint_histories, Topic::Joints),
+            (&results.bolt_histories, Topic::Bolts),
+        ];
+        for (name, (table, topic)) in TABLES.into_iter().zip(tables) {
+            if !table.times.is_empty() {
+                let (columns, heads) = (columns(table), notes.about(topic));
+                files.write(name, |file| write_noted_table(file, &heads, &columns));
+            }
+        }
+        for (kind, table) in [
+            ("", &results.histories),
+            ("", &results.sections),
+            ("joint-", &results.joint_histories),
+            ("bolts-", &results.bolt_histories),
+        ] {
+            for (name, plot) in drawing::plots(&columns(table)) {
+                files.write(&format!("plots/{kind}{name}.svg"), plot);
+            }
+        }
+        if !results.energies.times.is_empty() {
+            let columns = columns(&results.energies);
+            files.write("plots/energies.svg", |file| {
+                drawing::plot(file, "energies", &columns)
+            });
+        }
+        for bolts in &results.bolts {
+            let name = format!("bolts/{}.csv", drawing::file_name(&bolts.name));
+            files.write(&name, |file| write_table(file, &bolts.columns()));
+        }
     }
 }
 
@@ -257,22 +328,34 @@ fn remove(file: &Path) -> Result<(), Error> {
     }
 }
 
-/// Keeps account of what is written.
+/// Writes an empty file and removes it.
+fn probe(file: &Path) -> Result<(), Error> {
+    write_whole(file, b"")?;
+    remove(file)
+}
+
+/// Keeps account of what is written, and of the first file that could not be.
 struct Files<'a> {
     folder: &'a Path,
     written: Vec<PathBuf>,
+    failure: Option<IoError>,
 }
 
 impl Files<'_> {
-    fn write(
-        &mut self,
-        name: &str,
-        write: impl FnOnce(&Path) -> Result<(), IoError>,
-    ) -> Result<(), IoError> {
+    fn write(&mut self, name: &str, write: impl FnOnce(&Path) -> Result<(), IoError>) {
         let file = self.folder.join(name);
-        write(&file)?;
-        self.written.push(file);
-        Ok(())
+        match write(&file) {
+            Ok(()) => self.written.push(file),
+            Err(failure) => {
+                self.failure.get_or_insert(failure);
+            }
+        }
+    }
+
+    /// What was written, below the folder.
+    fn names(&self) -> Vec<String> {
+        let below = self.written.iter().filter_map(|file| file.strip_prefix(self.folder).ok());
+        below.map(|file| file.to_string_lossy().replace('\\', "/")).collect()
     }
 }
 

@@ -1,8 +1,9 @@
 //! Joint facets with their fields, for ParaView and as pictures.
 
+use std::collections::HashMap;
 use std::path::Path;
 
-use powerhouse_contact::JointSurface;
+use powerhouse_contact::{JointFacet, JointSurface};
 use powerhouse_explicit_core::observe::JointTable;
 use powerhouse_io::{FacetField, FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{Bond, ContactState, JointPair, JointRecord, Mesh, Vec3};
@@ -13,7 +14,8 @@ use powerhouse_model::{Bond, ContactState, JointPair, JointRecord, Mesh, Vec3};
 /// (0 sticks, 1 slides, 2 open), `over the run` (0 held, 1 slid, 2 opened, 3 both) and `bond` (0 never,
 /// 1 intact, 2 broken), normal and shear traction,
 /// opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
-/// energies of friction, bond and impact per area. Tips, where both sides are one, have zeros.
+/// energies of friction, bond and impact per area. Tips, where both sides are one, have zeros. Facets of
+/// which a side is not there, beside an excavated room or a lining that is not cast yet, are left out.
 pub(super) struct JointFacets {
     pub(super) writer: VtuWriter,
     /// Corner positions (m) and the corners of each facet.
@@ -27,10 +29,18 @@ pub(super) struct JointFacets {
 pub(super) type JointFields = Vec<(&'static str, Vec<f64>)>;
 
 impl JointFacets {
-    /// Facets of a mesh; `file` is named if they cannot be written.
-    pub(super) fn new(file: &Path, mesh: &Mesh, surface: &JointSurface) -> Result<Self, IoError> {
+    /// Facets of a mesh of which these elements are there (none said: all); `file` is named if they cannot
+    /// be written. None if no facet is left.
+    pub(super) fn new(
+        file: &Path,
+        mesh: &Mesh,
+        surface: &JointSurface,
+        present: Option<&[bool]>,
+    ) -> Result<Option<Self>, IoError> {
         let (mut positions, mut facets, mut pairs) = (Vec::<Vec3>::new(), Vec::new(), Vec::new());
-        for facet in &surface.facets {
+        let sides = present.map(|present| Sides::new(mesh, surface, present));
+        let stands = |facet: &&JointFacet| sides.as_ref().is_none_or(|sides| sides.has(facet));
+        for facet in surface.facets.iter().filter(stands) {
             let first = positions.len() as u32;
             facets.push((first..first + facet.nodes.len() as u32).collect::<Vec<u32>>());
             for (&node, pair) in facet.nodes.iter().zip(&facet.pairs) {
@@ -38,17 +48,20 @@ impl JointFacets {
                 pairs.push(pair.map(|pair| pair as usize));
             }
         }
+        if facets.is_empty() {
+            return Ok(None);
+        }
         let writer = VtuWriter::of_facets(&positions, &facets, FieldPrecision::Single);
         let writer = writer.map_err(|source| IoError::File {
             file: file.into(),
             source,
         })?;
-        Ok(Self {
+        Ok(Some(Self {
             writer,
             positions,
             facets,
             pairs,
-        })
+        }))
     }
 
     /// What has become of its pairs.
@@ -120,6 +133,55 @@ impl JointFacets {
     }
 }
 
+/// Which sides of a joint's facets are there.
+struct Sides<'s> {
+    mesh: &'s Mesh,
+    surface: &'s JointSurface,
+    present: &'s [bool],
+    /// Elements that are there, at the nodes of the second side.
+    beside: HashMap<u32, Vec<u32>>,
+}
+
+impl<'s> Sides<'s> {
+    fn new(mesh: &'s Mesh, surface: &'s JointSurface, present: &'s [bool]) -> Self {
+        let nodes = surface.pairs.iter().map(|pair| (pair.nodes[1], Vec::new()));
+        let mut beside: HashMap<u32, Vec<u32>> = nodes.collect();
+        for element in 0..mesh.element_count() as u32 {
+            if present[element as usize] {
+                for node in mesh.nodes_of(element) {
+                    if let Some(elements) = beside.get_mut(node) {
+                        elements.push(element);
+                    }
+                }
+            }
+        }
+        Self {
+            mesh,
+            surface,
+            present,
+            beside,
+        }
+    }
+
+    /// Whether both sides of a facet are there: the element that it is a side of, and another one that has
+    /// all nodes that face its own.
+    fn has(&self, facet: &JointFacet) -> bool {
+        let first = facet.first.element;
+        let pairs = facet.pairs.iter().flatten();
+        let facing: Vec<u32> = pairs
+            .map(|&pair| self.surface.pairs[pair as usize].nodes[1])
+            .collect();
+        let Some((node, others)) = facing.split_first() else {
+            return self.present[first as usize];
+        };
+        let has_all = |&&element: &&u32| {
+            let nodes = self.mesh.nodes_of(element);
+            element != first && others.iter().all(|other| nodes.contains(other))
+        };
+        self.present[first as usize] && self.beside[node].iter().any(|e| has_all(&e))
+    }
+}
+
 /// The fields as a file takes them; kinds are whole numbers.
 pub(super) fn scalars(fields: &JointFields) -> Vec<VtuField<'_>> {
     let of_kinds = |name: &str| {
@@ -133,9 +195,21 @@ pub(super) fn scalars(fields: &JointFields) -> Vec<VtuField<'_>> {
             true => VtuNumbers::Whole,
             false => VtuNumbers::Real,
         },
+        unit: unit_of(name),
         values,
     });
     scalars.collect()
+}
+
+/// The unit of a field.
+fn unit_of(name: &str) -> &'static str {
+    match name {
+        _ if name.starts_with("time") => "s",
+        _ if name.ends_with("traction") => "Pa",
+        _ if name.ends_with("energy") => "J/m2",
+        "opening" | "peak opening" | "slip" => "m",
+        _ => "",
+    }
 }
 
 /// A picture of the facets of a joint.
@@ -150,7 +224,7 @@ pub(super) struct JointPicture {
 }
 
 /// The fields that are drawn, with their units or the names of their kinds.
-const PICTURES: [(&str, &str, &[&str]); 5] = [
+pub(super) const PICTURES: [(&str, &str, &[&str]); 5] = [
     ("state", "", &["sticks", "slides", "open"]),
     ("over the run", "", &["held", "slid", "opened", "both"]),
     ("bond", "", &["none", "intact", "broken"]),
@@ -194,3 +268,38 @@ const FIELDS: [(&str, Value); 13] = [
     ("bond energy", |pair, record| record.bond_energy / pair.area),
     ("impact energy", |pair, record| record.impact / pair.area),
 ];
+
+#[cfg(test)]
+mod tests {
+    use powerhouse_contact::SurfaceOptions;
+
+    use super::*;
+
+    /// Facets of a joint are shown where both sides are there: not beside a room that is excavated, on
+    /// either side, nor where nothing is left.
+    #[test]
+    fn facets_beside_rooms_are_left_out() {
+        // Two slabs of 4 by 3 bricks, one on the other.
+        let size = Vec3::new(4.0, 3.0, 2.0);
+        let whole = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
+        let slab = |upper: bool| -> Vec<u32> {
+            let all = 0..whole.element_count() as u32;
+            all.filter(|&e| (whole.centroid(e).z > 1.0) == upper).collect()
+        };
+        let split = whole.split_between(&slab(false), &slab(true)).unwrap();
+        let options = SurfaceOptions::within(1e-6).unwrap();
+        let mesh = split.mesh;
+        let surface = JointSurface::between(&mesh, &split.first, &split.second, &options).unwrap();
+        let count = |is_there: &dyn Fn(Vec3) -> bool| {
+            let elements = 0..mesh.element_count() as u32;
+            let present: Vec<bool> = elements.map(|e| is_there(mesh.centroid(e))).collect();
+            let facets = JointFacets::new(Path::new("x"), &mesh, &surface, Some(&present));
+            facets.unwrap().map_or(0, |facets| facets.facets.len())
+        };
+        assert_eq!(count(&|_| true), 12);
+        // A row of three on one side, a brick inside on the other, one side as a whole.
+        assert_eq!(count(&|at| at.z > 1.0 || at.x > 1.0), 9);
+        assert_eq!(count(&|at| at.z < 1.0 || (at - Vec3::new(1.5, 1.5, 1.5)).norm() > 0.1), 11);
+        assert_eq!(count(&|at| at.z < 1.0), 0);
+    }
+}

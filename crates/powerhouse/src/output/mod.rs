@@ -4,6 +4,8 @@ mod bolts;
 mod drawing;
 mod folder;
 mod joints;
+mod lock;
+mod names;
 mod plan;
 mod remembered;
 mod results;
@@ -14,6 +16,8 @@ mod vtu;
 pub use bolts::BoltForces;
 pub use drawing::file_name;
 pub use folder::ResultFolder;
+pub use lock::{FolderError, FolderLock};
+pub(crate) use names::Named;
 pub use plan::{
     CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,
     StateWish, StressWish,

@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{
-    BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
+    BoltHistories, BoltTables, Column, Cut, EnergyHistory, Envelope, EnvelopeTable, History,
     HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
     JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
 use powerhouse_explicit_core::{BoltSet, HandOverReport, RunReport, StageReport};
-use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
+use powerhouse_model::{Cadence, ElementKind, JointRecord, Mesh, ModelError, Observer};
 
-use super::{BoltForces, JointWish, OutputPlan, Remembered};
+use super::{BoltForces, CutWish, JointWish, OutputPlan, Remembered};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 
@@ -60,6 +60,8 @@ pub struct Results {
     pub joints: Vec<JointTable>,
     /// The sides of the joints, in the same order.
     pub joint_surfaces: Vec<JointSurface>,
+    /// Which elements of the mesh are there in the motion, one flag per element; none if all are.
+    pub present: Option<Vec<bool>>,
     /// How many snapshots the run's sink took.
     pub snapshots: u64,
     /// What the stages took and did, before the run.
@@ -162,6 +164,7 @@ pub(crate) struct Recordings {
     joints: Option<Recording<JointTables>>,
     joint_surfaces: Vec<NamedSurface>,
     bolts: Option<Recording<BoltTables>>,
+    present: Option<Vec<bool>>,
 }
 
 impl Recordings {
@@ -185,6 +188,7 @@ impl Recordings {
             joints: None,
             joint_surfaces: Vec::new(),
             bolts: None,
+            present: present.map(<[bool]>::to_vec),
         };
         let (history, mut in_vain) = histories(plan, mesh, remembered)?;
         remarks.append(&mut in_vain);
@@ -199,6 +203,7 @@ impl Recordings {
                 let set = mesh.element_set(&wish.set)?.iter().copied();
                 let elements: Vec<u32> = set.filter(is_there).collect();
                 forces.add_cut(mesh, &wish.cut, &elements).map_err(model)?;
+                remarks.extend(through_tetrahedra(mesh, wish, &elements));
             }
             recordings.section_geometry = forces.geometries().cloned().collect();
             recordings.sections = Some(forces.recording());
@@ -276,6 +281,11 @@ impl Recordings {
         &self.joint_surfaces
     }
 
+    /// Which elements are there; none if all are.
+    pub(crate) fn present(&self) -> Option<&[bool]> {
+        self.present.as_deref()
+    }
+
     /// All that was recorded; bolts come with their forces at the end.
     pub(crate) fn finish(
         self,
@@ -317,6 +327,7 @@ impl Recordings {
             energies: table(self.energies),
             envelope: self.envelope.map(|recording| recording.copy()),
             state: self.state.map(|recording| recording.copy()),
+            present: self.present,
             snapshots,
             stages: Vec::new(),
             hand_over: None,
@@ -394,6 +405,39 @@ fn histories(
         element: mesh.element_tags()[element as usize],
     });
     Ok((history, remarks.collect()))
+}
+
+/// The doubt about a cut through linear tetrahedra among some elements.
+fn through_tetrahedra(mesh: &Mesh, wish: &CutWish, elements: &[u32]) -> Option<Remark> {
+    let Cut {
+        point,
+        normal,
+        within,
+        ..
+    } = &wish.cut;
+    let beyond = |&node: &u32| (mesh.positions()[node as usize] - point).dot(normal);
+    let counts = |element: u32| {
+        let centre = mesh.centroid(element);
+        within.as_ref().is_none_or(|(low, high)| {
+            (0..3).all(|axis| (low[axis]..=high[axis]).contains(&centre[axis]))
+        })
+    };
+    let is_cut = |element: &&u32| {
+        let sides = mesh.nodes_of(**element).iter().map(beyond);
+        let [least, most] = sides.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], side| {
+            [low.min(side), high.max(side)]
+        });
+        least <= 0.0 && most >= 0.0 && counts(**element)
+    };
+    let cut: Vec<&u32> = elements.iter().filter(is_cut).collect();
+    let tetrahedra = cut.iter().filter(|e| mesh.kind(***e) == ElementKind::Tet4);
+    let tetrahedra = tetrahedra.count();
+    (tetrahedra > 0).then(|| Remark::TetrahedralSection {
+        section: wish.cut.name.clone(),
+        set: wish.set.clone(),
+        elements: tetrahedra,
+        of: cut.len(),
+    })
 }
 
 fn model(error: impl Into<ModelError>) -> Error {

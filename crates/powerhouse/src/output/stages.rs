@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use powerhouse_contact::JointSurface;
 use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter, write_table};
 use powerhouse_model::{HistoryVariable, Mesh, State};
 
 use super::BoltForces;
 use super::drawing::file_name;
 use super::joints::{JointFacets, scalars};
-use super::vtu::numbers;
+use super::vtu::{numbers, unit};
 use crate::joint::NamedSurface;
 use crate::{Error, StageAtRest, StageSink};
 
@@ -19,7 +18,7 @@ use crate::{Error, StageAtRest, StageSink};
 pub(super) struct StageFiles {
     folder: PathBuf,
     writer: VtuWriter,
-    joints: Vec<(String, JointSurface, JointFacets)>,
+    joints: Vec<NamedSurface>,
 }
 
 impl StageFiles {
@@ -29,12 +28,8 @@ impl StageFiles {
         joints: &[NamedSurface],
     ) -> Result<Self, IoError> {
         let writer = VtuWriter::new(mesh, FieldPrecision::Single);
-        let facets = |(name, surface): &NamedSurface| {
-            let facets = JointFacets::new(&folder, mesh, surface)?;
-            Ok((name.clone(), surface.clone(), facets))
-        };
         Ok(Self {
-            joints: joints.iter().map(facets).collect::<Result<_, IoError>>()?,
+            joints: joints.to_vec(),
             writer: writer.map_err(|source| IoError::File {
                 file: folder.clone(),
                 source,
@@ -43,19 +38,25 @@ impl StageFiles {
         })
     }
 
-    fn write(&self, stage: &StageAtRest) -> Result<(), IoError> {
+    fn write(&mut self, stage: &StageAtRest) -> Result<(), IoError> {
+        let mut present = vec![true; stage.mesh.element_count()];
+        for &element in &stage.state.absent {
+            present[element as usize] = false;
+        }
+        self.writer.set_present(stage.mesh, &present);
         let name = format!("{}-{}", stage.index + 1, file_name(&stage.report.name));
         let file = |end: &str| self.folder.join(format!("{name}{end}"));
         self.body(&file(".vtu"), stage)?;
-        for (joint, surface, facets) in &self.joints {
+        for (joint, surface) in &self.joints {
             let of_name = stage.state.joints.iter().find(|state| state.name == *joint);
-            if let Some(state) = of_name {
+            let end = file(&format!("-{}.vtu", file_name(joint)));
+            let facets = JointFacets::new(&end, stage.mesh, surface, Some(&present))?;
+            if let (Some(state), Some(facets)) = (of_name, facets) {
                 let fields = facets.fields(&surface.pairs, &state.records);
-                let end = format!("-{}.vtu", file_name(joint));
                 let time = (stage.index + 1) as f64;
                 facets
                     .writer
-                    .write(&file(&end), time, &scalars(&fields), &[])?;
+                    .write(&end, time, &scalars(&fields), &[])?;
             }
         }
         for bolts in &stage.bolts {
@@ -77,26 +78,21 @@ impl StageFiles {
             .flat_map(|u| [u.x, u.y, u.z]);
         let displacement: Vec<f64> = displacement.collect();
         let stress: Vec<f64> = stage.stress.iter().flat_map(|stress| stress.0).collect();
-        let mut present = vec![1.0; count];
-        for &element in &stage.state.absent {
-            present[element as usize] = 0.0;
-        }
         let remembered: Vec<(&HistoryVariable, Vec<f64>)> = (stage.variables.iter())
             .map(|variable| (variable, shown(stage.state, variable, count)))
             .collect();
-        let field = |name, components, numbers, values| VtuField {
+        let field = |(name, unit), components, numbers, values| VtuField {
             name,
             components,
             numbers,
+            unit,
             values,
         };
-        let nodal = [field("displacement", 3, VtuNumbers::Real, &displacement)];
-        let mut elemental = vec![
-            field("stress", 6, VtuNumbers::Real, &stress),
-            field("present", 1, VtuNumbers::Whole, &present),
-        ];
+        let nodal = [field(("displacement", "m"), 3, VtuNumbers::Real, &displacement)];
+        let mut elemental = vec![field(("stress", "Pa"), 6, VtuNumbers::Real, &stress)];
         for (variable, values) in &remembered {
-            elemental.push(field(variable.name, 1, numbers(variable), values));
+            let name = (variable.name, unit(variable.unit));
+            elemental.push(field(name, 1, numbers(variable), values));
         }
         let number = (stage.index + 1) as f64;
         self.writer.write(file, number, &nodal, &elemental)

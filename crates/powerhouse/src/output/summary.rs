@@ -1,12 +1,12 @@
 //! What a run says of itself in one file.
 
-use powerhouse_explicit_core::observe::{JointOutcome, JointTable, PeakRow};
+use powerhouse_explicit_core::observe::{JointOutcome, JointTable, PeakRow, PeakTable};
 use powerhouse_explicit_core::{Ended, StageReport};
 use powerhouse_model::{LimitingTerm, Mesh};
 use serde::Serialize;
 
 use super::{BoltForces, Results};
-use crate::Remark;
+use crate::remark::{Doubt, RunNotes};
 
 /// `summary.json`.
 #[derive(Debug, Serialize)]
@@ -40,7 +40,15 @@ pub(super) struct Summary {
     energies: Vec<Energy>,
     #[serde(skip_serializing_if = "Option::is_none")]
     energy_residual: Option<Residual>,
+    /// Doubts about the results, of which everything that shows them must tell
+    warnings: Vec<Doubt>,
+    /// Facts of the scene's composition
     remarks: Vec<String>,
+    /// Whether laws or joints have history variables, so that small changes may grow
+    path_dependent: bool,
+    /// Below the folder, this one left out
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    files: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -104,6 +112,9 @@ struct Peak {
     time: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<String>,
+    /// Whether it is no motion but rounding beside the others of its unit
+    #[serde(skip_serializing_if = "core::ops::Not::not")]
+    below_rounding: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -168,7 +179,19 @@ struct Residual {
 }
 
 impl Summary {
-    pub(super) fn new(title: &str, mesh: &Mesh, results: &Results, remarks: &[Remark]) -> Self {
+    /// Makes it that of a run without all its files, for a reason; returns how the run ended.
+    pub(super) fn interrupt(&mut self, reason: &str) -> (String, Option<String>) {
+        let ended = core::mem::replace(&mut self.ended, "incomplete".into());
+        (ended, self.failure.replace(reason.into()))
+    }
+
+    /// Makes it that of a run that ended in a way, and has these files.
+    pub(super) fn complete(&mut self, ended: (String, Option<String>), files: Vec<String>) {
+        (self.ended, self.failure) = ended;
+        self.files = files;
+    }
+
+    pub(super) fn new(title: &str, mesh: &Mesh, results: &Results, notes: &RunNotes) -> Self {
         let run = &results.run;
         Self {
             title: title.into(),
@@ -206,12 +229,7 @@ impl Summary {
                 difference: report.difference,
             }),
             bolts: results.bolts.iter().filter_map(Bolts::new).collect(),
-            peaks: results
-                .peaks(mesh)
-                .rows
-                .into_iter()
-                .map(Peak::from)
-                .collect(),
+            peaks: Peak::all(&results.peaks(mesh)),
             joints: (results.joint_outcomes.iter())
                 .map(|outcome| Joint::new(mesh, outcome, &results.joints))
                 .collect(),
@@ -228,9 +246,10 @@ impl Summary {
                 share_of_input: residual.share_of_input,
                 largest: residual.largest,
             }),
-            remarks: (remarks.iter().map(Remark::to_string))
-                .chain(results.doubts(mesh).iter().map(Remark::to_string))
-                .collect(),
+            warnings: notes.doubts(&results.doubts(mesh)),
+            remarks: notes.facts(),
+            path_dependent: results.state.is_some() || !results.joints.is_empty(),
+            files: Vec::new(),
         }
     }
 }
@@ -301,14 +320,16 @@ impl Joint {
     }
 }
 
-impl From<PeakRow> for Peak {
-    fn from(row: PeakRow) -> Self {
-        Self {
-            name: row.name,
+impl Peak {
+    fn all(peaks: &PeakTable) -> Vec<Self> {
+        let peak = |row: &PeakRow| Self {
+            name: row.name.clone(),
             unit: row.unit,
             value: row.value,
             time: row.time,
             place: row.place.map(|place| place.to_string()),
-        }
+            below_rounding: peaks.is_rounding(row),
+        };
+        peaks.rows.iter().map(peak).collect()
     }
 }

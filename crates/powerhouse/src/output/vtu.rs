@@ -14,11 +14,22 @@ use powerhouse_model::{HistoryKind, HistoryVariable, Mesh, Stress, Vec3};
 use super::drawing::file_name;
 use super::joints::{JointFacets, JointFields, scalars as scalars_of_joint};
 
-fn writer(file: &Path, mesh: &Mesh) -> Result<VtuWriter, IoError> {
-    VtuWriter::new(mesh, FieldPrecision::Single).map_err(|source| IoError::File {
+/// The writer of a mesh of which these elements are there; none said: all.
+fn writer(file: &Path, mesh: &Mesh, present: Option<&[bool]>) -> Result<VtuWriter, IoError> {
+    let writer = VtuWriter::new(mesh, FieldPrecision::Single);
+    let mut writer = writer.map_err(|source| IoError::File {
         file: file.into(),
         source,
-    })
+    })?;
+    if let Some(present) = present {
+        writer.set_present(mesh, present);
+    }
+    Ok(writer)
+}
+
+/// The unit of a history variable as files have it: none for numbers without one.
+pub(super) fn unit(unit: &'static str) -> &'static str {
+    if unit == "1" { "" } else { unit }
 }
 
 /// Flags are whole numbers, amounts and components are not.
@@ -33,16 +44,18 @@ pub(super) fn numbers(variable: &HistoryVariable) -> VtuNumbers {
 /// collection.
 pub(super) fn snapshots(
     file: PathBuf,
-    mesh: &Mesh,
-    joints: &[(String, JointSurface)],
+    (mesh, present): (&Mesh, Option<&[bool]>),
+    surfaces: &[(String, JointSurface)],
 ) -> Result<Box<dyn SnapshotSink>, IoError> {
-    let writer = writer(&file, mesh)?;
-    let facets = |(name, surface): &(String, JointSurface)| {
-        let facets = JointFacets::new(&file, mesh, surface)?;
-        Ok((name.clone(), facets))
-    };
+    let writer = writer(&file, mesh, present)?;
+    let mut joints = Vec::new();
+    for (name, surface) in surfaces {
+        if let Some(facets) = JointFacets::new(&file, mesh, surface, present)? {
+            joints.push((name.clone(), facets));
+        }
+    }
     Ok(Box::new(SnapshotFiles {
-        joints: joints.iter().map(facets).collect::<Result<_, IoError>>()?,
+        joints,
         collection: PvdCollection::new(file, writer),
     }))
 }
@@ -59,17 +72,18 @@ impl SnapshotSink for SnapshotFiles {
         let vectors =
             |values: &[Vec3]| -> Vec<f64> { values.iter().flat_map(|v| [v.x, v.y, v.z]).collect() };
         let nodal = [
-            ("displacement", vectors(shot.displacement)),
-            ("velocity", vectors(shot.velocity)),
-            ("acceleration", vectors(shot.acceleration)),
+            (("displacement", "m"), vectors(shot.displacement)),
+            (("velocity", "m/s"), vectors(shot.velocity)),
+            (("acceleration", "m/s2"), vectors(shot.acceleration)),
         ];
         let at_nodes: Vec<VtuField> = nodal
             .iter()
             .filter(|(_, values)| !values.is_empty())
-            .map(|(name, values)| VtuField {
+            .map(|((name, unit), values)| VtuField {
                 name,
                 components: 3,
                 numbers: VtuNumbers::Real,
+                unit,
                 values,
             })
             .collect();
@@ -78,12 +92,14 @@ impl SnapshotSink for SnapshotFiles {
             name: "stress",
             components: 6,
             numbers: VtuNumbers::Real,
+            unit: "Pa",
             values: &stress,
         });
         let state = shot.state.iter().map(|(variable, values)| VtuField {
             name: variable.name,
             components: 1,
             numbers: numbers(variable),
+            unit: unit(variable.unit),
             values,
         });
         let in_elements: Vec<VtuField> = stress.into_iter().chain(state).collect();
@@ -101,6 +117,9 @@ impl SnapshotSink for SnapshotFiles {
         self.collection
             .add_with(shot.time, &at_nodes, &in_elements, &parts)?;
         Ok(())
+    }
+    fn finish(&mut self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(self.collection.keep_existing()?)
     }
 }
 
@@ -144,16 +163,26 @@ impl PeakOverMesh {
     }
 }
 
+/// What an envelope may hold.
+pub(super) const ENVELOPES: [&str; 5] = [
+    "largest displacement",
+    "largest velocity",
+    "largest acceleration",
+    "greatest principal stress",
+    "least principal stress",
+];
+
 impl EnvelopeFields {
     pub(super) fn new(envelope: &EnvelopeTable, mesh: &Mesh) -> Self {
+        let [displacement, velocity, acceleration, greatest, least] = ENVELOPES;
         let nodal = [
-            ("largest displacement", "m", &envelope.displacement),
-            ("largest velocity", "m/s", &envelope.velocity),
-            ("largest acceleration", "m/s2", &envelope.acceleration),
+            (displacement, "m", &envelope.displacement),
+            (velocity, "m/s", &envelope.velocity),
+            (acceleration, "m/s2", &envelope.acceleration),
         ];
         let elemental = [
-            ("greatest principal stress", "Pa", &envelope.greatest_stress),
-            ("least principal stress", "Pa", &envelope.least_stress),
+            (greatest, "Pa", &envelope.greatest_stress),
+            (least, "Pa", &envelope.least_stress),
         ];
         let (nodes, elements) = (&envelope.nodes, &envelope.elements);
         let of_nodes = |field| PeakOverMesh::new(field, nodes, mesh.node_count());
@@ -197,27 +226,39 @@ impl EnvelopeFields {
         nodal.chain(elemental.map(|p| (p.name, PictureField::Elemental(&p.values), p.unit)))
     }
     /// Writes them as one VTU file at a time (s).
-    pub(super) fn write(&self, file: &Path, mesh: &Mesh, time: f64) -> Result<(), IoError> {
+    pub(super) fn write(
+        &self,
+        file: &Path,
+        (mesh, present): (&Mesh, Option<&[bool]>),
+        time: f64,
+    ) -> Result<(), IoError> {
         let (nodal, mut elemental) = (scalars(&self.nodal), scalars(&self.elemental));
         elemental.extend(self.flags.iter().map(|(name, values)| VtuField {
             name,
             components: 1,
             numbers: VtuNumbers::Whole,
+            unit: "",
             values,
         }));
-        writer(file, mesh)?.write(file, time, &nodal, &elemental)
+        writer(file, mesh, present)?.write(file, time, &nodal, &elemental)
     }
 }
 
 fn scalars(peaks: &[PeakOverMesh]) -> Vec<VtuField<'_>> {
-    let field = |name, values| VtuField {
+    let field = |name, unit, values| VtuField {
         name,
         components: 1,
         numbers: VtuNumbers::Real,
+        unit,
         values,
     };
     peaks
         .iter()
-        .flat_map(|p| [field(p.name, &p.values), field(&p.time_name, &p.times)])
+        .flat_map(|p| {
+            [
+                field(p.name, unit(p.unit), &p.values),
+                field(&p.time_name, "s", &p.times),
+            ]
+        })
         .collect()
 }

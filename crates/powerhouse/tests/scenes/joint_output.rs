@@ -3,7 +3,7 @@
 use powerhouse::engine::observe::JointQuantities;
 use powerhouse::io::read_table;
 use powerhouse::model::{Bond, ContactState, JointRecord, Vec3};
-use powerhouse::{Error, JointWish, JointZone, OutputPlan, ResultFolder, RunHooks, SnapshotWish};
+use powerhouse::{Error, JointWish, JointZone, OutputPlan, ResultFolder, RunHooks, RunNotes, SnapshotWish};
 
 use crate::joints::{JOINT, folder, halves, read, twin};
 use crate::support::*;
@@ -275,7 +275,7 @@ fn columns_say_what_becomes_of_the_pairs() {
 
     let folder = Folder::new("joint-columns");
     let output = ResultFolder::new(&folder.0);
-    let written = output.write(("cube", &mesh), &results, &[], None).unwrap();
+    let written = output.write(("cube", &mesh), &results, &RunNotes::default(), None).unwrap();
     for name in [
         "joints.csv",
         "joints/bedding.vtu",
@@ -334,7 +334,7 @@ fn snapshots_hold_joints() {
     let folder = Folder::new("joint-snapshots");
     let output = ResultFolder::new(&folder.0);
     let sink = output
-        .snapshots(&mesh, simulation.joint_surfaces())
+        .snapshots(&simulation)
         .unwrap();
     let hooks = RunHooks {
         snapshots: Some(sink),

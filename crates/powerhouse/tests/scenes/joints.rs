@@ -3,7 +3,7 @@
 use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{JointRecord, Mesh};
-use powerhouse::{Error, Registry, Remark, ResultFolder, Scene, SceneJoint};
+use powerhouse::{Error, Registry, Remark, ResultFolder, RunNotes, Scene, SceneJoint};
 
 use crate::support::*;
 
@@ -113,7 +113,7 @@ fn a_joint_of_a_file_is_the_one_of_rust() {
     assert!((share - last("bedding.peak_opening").max(last("bedding.slip")) / 50.0).abs() < 1e-12);
 
     let results = ResultFolder::new(folder.0.join("results"));
-    let written = results.write(("cube", &mesh), &file, &[], None).unwrap();
+    let written = results.write(("cube", &mesh), &file, &RunNotes::default(), None).unwrap();
     for name in ["joints.csv", "joints/bedding.vtu"] {
         assert!(
             written.contains(&folder.0.join("results").join(name)),

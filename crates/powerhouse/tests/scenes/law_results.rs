@@ -3,7 +3,7 @@
 use powerhouse::material::{
     MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, Softening, presets,
 };
-use powerhouse::{Error, Material};
+use powerhouse::{Error, Material, RunNotes};
 
 use crate::support::*;
 
@@ -84,11 +84,12 @@ fn what_laws_remember_is_recorded() {
     let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default()).unwrap();
     let out = powerhouse::ResultFolder::new(variants.0.0.join("out"));
     let mesh = scene.mesh().clone();
+    let simulation = scene.prepare().unwrap();
     let hooks = powerhouse::RunHooks {
-        snapshots: Some(out.snapshots(&mesh, &[]).unwrap()),
+        snapshots: Some(out.snapshots(&simulation).unwrap()),
         ..Default::default()
     };
-    let results = scene.prepare().unwrap().run(hooks).unwrap();
+    let results = simulation.run(hooks).unwrap();
     let twin = cube_scene_made_of(cube(), &["rock"], &cracking());
     let mut plan = twin.output_plan().clone();
     plan = plan.state("surface", powerhouse::model::Vec3::new(150.0, 150.0, 0.0));
@@ -110,7 +111,7 @@ fn what_laws_remember_is_recorded() {
     let torn = last(&results, "damage_tension");
     assert_eq!(torn, last(&twin, "damage_tension"));
     assert!(torn.iter().all(|d| (0.0..1.0).contains(d)) && torn.iter().any(|d| *d > 0.1));
-    out.write(("cube", &mesh), &results, &[], None).unwrap();
+    out.write(("cube", &mesh), &results, &RunNotes::default(), None).unwrap();
     let summary = std::fs::read_to_string(out.path().join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     let peaks = summary["peaks"].as_array().unwrap();

@@ -201,7 +201,7 @@ fn a_stopped_run_leaves_complete_output() {
         stop: Some(stop),
         snapshots: Some(
             results
-                .snapshots(&mesh, simulation.joint_surfaces())
+                .snapshots(&simulation)
                 .unwrap(),
         ),
         progress: Some(Box::new(move |progress| {
@@ -214,7 +214,7 @@ fn a_stopped_run_leaves_complete_output() {
     let found = simulation.run(hooks).unwrap();
     assert_eq!((found.run.steps, &found.run.ended), (21, &Ended::Stopped));
     let files = results
-        .write(("cube", &mesh), &found, &[], Some(CUBE))
+        .write(("cube", &mesh), &found, &powerhouse::RunNotes::default(), Some(CUBE))
         .unwrap();
     let names: Vec<String> = files
         .iter()

@@ -14,7 +14,7 @@ use powerhouse::material::LinearElastic;
 use powerhouse::model::{Bond, ElasticMedium, Mesh, Stress, Vec3};
 use powerhouse::{
     BoltPlace, Boundary, Error, InSituStress, Material, OutputPlan, Part, Preload, Registry,
-    ResultFolder, Results, RunHooks, Scene, SceneBolts, SceneJoint, SceneStage, StageAtRest,
+    ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts, SceneJoint, SceneStage, StageAtRest,
     StageSink, StagingError,
 };
 
@@ -550,14 +550,22 @@ law = "tied"
     let text = [MATERIALS, BOLTS, seam, ROLLERS, TRENCH].concat();
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
     let out = ResultFolder::new(folder.0.join("out"));
-    let (mesh, remarks) = (simulation.mesh().clone(), simulation.remarks().to_vec());
+    let (mesh, planned) = (simulation.mesh().clone(), simulation.result_files());
+    let notes = RunNotes {
+        remarks: simulation.remarks().to_vec(),
+        ..RunNotes::default()
+    };
     let hooks = RunHooks {
-        stages: Some(out.stages(&mesh, simulation.joint_surfaces()).unwrap()),
+        stages: Some(out.stages(&simulation).unwrap()),
         ..RunHooks::default()
     };
     let found: Results = simulation.run(hooks).unwrap();
-    out.write(("trench", &mesh), &found, &remarks, None)
-        .unwrap();
+    let written = out.write(("trench", &mesh), &found, &notes, None).unwrap();
+    // Each file has been foreseen, so that it can be tried before the run.
+    for file in &written {
+        let name = file.strip_prefix(out.path()).unwrap().to_string_lossy();
+        assert!(planned.contains(&name.clone().into_owned()), "{name}");
+    }
     let file = |name: &str| out.path().join(name);
     for name in [
         "stages/1-ground.vtu",

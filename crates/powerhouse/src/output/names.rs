@@ -1,0 +1,79 @@
+//! The files that a run will write.
+
+use powerhouse_model::{HistoryKind, HistoryVariable};
+
+use super::drawing::file_name;
+use super::folder::{ENVELOPE, SNAPSHOTS, STAGES, STATE, SUMMARY, TABLES};
+use super::{OutputPlan, joints, vtu};
+
+/// What a run has that gives names to files.
+pub(crate) struct Named<'n> {
+    pub(crate) plan: &'n OutputPlan,
+    pub(crate) joints: Vec<&'n str>,
+    pub(crate) stages: Vec<&'n str>,
+    pub(crate) bolts: Vec<&'n str>,
+    /// The history variables of laws.
+    pub(crate) variables: &'n [HistoryVariable],
+}
+
+impl Named<'_> {
+    /// The files that the run may write, below its folder.
+    pub(crate) fn files(&self) -> Vec<String> {
+        let plan = self.plan;
+        let mut files: Vec<String> = [SUMMARY, "scene.toml", ENVELOPE, STATE, SNAPSHOTS]
+            .into_iter()
+            .chain(TABLES)
+            .map(str::to_owned)
+            .collect();
+        let mut add = |folder: &str, name: &str, end: &str| {
+            files.push(format!("{folder}/{}{end}", file_name(name)));
+        };
+        let histories = plan.histories.iter().map(|wish| &wish.name);
+        let stresses = plan.stresses.iter().chain(&plan.state.places);
+        let cuts = plan.cuts.iter().map(|wish| &wish.cut.name);
+        let names = histories
+            .chain(stresses.map(|wish| &wish.name))
+            .chain(plan.relative.iter().map(|wish| &wish.name))
+            .chain(cuts);
+        for name in names {
+            add("plots", name, ".svg");
+        }
+        add("plots", "energies", ".svg");
+        let watched = plan.joints.iter().map(|wish| wish.name.as_str());
+        for name in self.joints.iter().copied().chain(watched) {
+            add("plots", &format!("joint-{name}"), ".svg");
+        }
+        let peaks = self.variables.iter();
+        let peaks = peaks.filter(|variable| variable.kind == HistoryKind::Amount);
+        for name in vtu::ENVELOPES.into_iter().chain(peaks.map(|v| v.name)) {
+            add("pictures", name, ".png");
+        }
+        for joint in &self.joints {
+            add("joints", joint, ".vtu");
+            for (what, ..) in joints::PICTURES {
+                add("pictures", &format!("joint-{joint}-{what}"), ".png");
+            }
+        }
+        for bolts in &self.bolts {
+            add("plots", &format!("bolts-{bolts}"), ".svg");
+            add("bolts", bolts, ".csv");
+        }
+        for (number, stage) in self.stages.iter().enumerate() {
+            let stage = format!("{}-{stage}", number + 1);
+            add(STAGES, &stage, ".vtu");
+            for joint in &self.joints {
+                add(STAGES, &format!("{stage}-{joint}"), ".vtu");
+            }
+            for bolts in &self.bolts {
+                add(STAGES, &format!("{stage}-{bolts}"), ".csv");
+            }
+        }
+        if plan.snapshots.is_some() {
+            add("snapshots", "snapshots_00000", ".vtu");
+            for joint in &self.joints {
+                add("snapshots", &format!("snapshots_00000_{joint}"), ".vtu");
+            }
+        }
+        files
+    }
+}
