@@ -108,13 +108,16 @@ fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     folder.create()?;
     let mut simulation = scene.prepare()?;
     simulation.stable_step()?;
-    let remarks = simulation.remarks().to_vec();
+    let notes = powerhouse::RunNotes {
+        remarks: simulation.remarks().to_vec(),
+        ..Default::default()
+    };
     let hooks = RunHooks {
-        snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
+        snapshots: Some(folder.snapshots(&simulation)?),
         ..RunHooks::default()
     };
     let results = simulation.run(hooks)?;
-    folder.write((&title, &mesh), &results, &remarks, None)?;
+    folder.write((&title, &mesh), &results, &notes, None)?;
     Ok(Cost {
         time: results.wall_time.as_secs_f64(),
         memory: most_memory().unwrap_or(f64::NAN),

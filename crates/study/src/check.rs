@@ -4,7 +4,7 @@ use core::fmt;
 
 use powerhouse::engine::StableStep;
 use powerhouse::model::{ElementKind, QualityReport};
-use powerhouse::{Error, Remark, Scene, StageOverview};
+use powerhouse::{Doubt, Error, Remark, Scene, StageOverview, Topic};
 
 use crate::StudyError;
 use crate::cost::{self, Cost};
@@ -82,6 +82,21 @@ pub enum Warning {
     },
     /// No field, load, weight or prescribed motion: nothing moves.
     Undriven,
+}
+
+impl Warning {
+    /// As the files of a run have it, with what of the results it is about.
+    pub fn doubt(&self) -> Doubt {
+        let about = match self {
+            Self::Remark(remark) => remark.topic(),
+            Self::Unresolved { .. } => Topic::Histories,
+            Self::Mismatch { .. } | Self::JointAtBoundary { .. } => Topic::Joints,
+            Self::StillField { .. } => Topic::Input,
+            _ => Topic::Run,
+        };
+        let text = self.to_string();
+        Doubt { about, text }
+    }
 }
 
 impl fmt::Display for Warning {

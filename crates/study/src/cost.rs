@@ -126,6 +126,23 @@ pub(crate) struct Account {
     laws: Laws,
 }
 
+/// The size of the files of a scene's run, once its step is known.
+pub struct OutputSize(Account);
+
+impl OutputSize {
+    /// Takes from a scene what it depends on.
+    ///
+    /// # Errors
+    /// A set or a face of the scene that is at fault.
+    pub fn of(scene: &Scene) -> Result<Self, StudyError> {
+        Account::of(scene).map(Self)
+    }
+    /// Bytes, at most, of a run in steps of a length (s).
+    pub fn bytes(&self, step: f64) -> u64 {
+        self.0.output((self.0.duration / step).ceil() as u64 + 1)
+    }
+}
+
 /// What the laws of a scene remember.
 #[derive(Clone, Copy, Debug, Default)]
 struct Laws {

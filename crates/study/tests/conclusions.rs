@@ -3,6 +3,7 @@
 use powerhouse_study::sweep::{
     CaseInput, CaseOutcome, CaseWave, JointAndLining, JointCase, PartDamage, Peak,
 };
+use powerhouse_study::sweep::Coverage;
 use powerhouse_study::{Conclusion, Verdict, conclusions, sensitivity};
 
 fn peak(name: &str, value: f64) -> Peak {
@@ -45,6 +46,7 @@ fn joint(name: &str, broken: f64) -> JointCase {
 /// relative displacements (cm), damage, failure of the joint.
 fn case(kind: &str, angle: f64, size: f64) -> CaseOutcome {
     CaseOutcome {
+        coverage: None,
         name: format!("{kind}-{angle}"),
         input: CaseInput {
             waves: vec![CaseWave {
@@ -361,4 +363,29 @@ fn variations_are_compared_with_their_base() {
     // Without a joint there is nothing that could fail.
     assert_eq!(found[1].figures.len(), 3);
     assert!((found[1].figures[0].change().unwrap() + 0.5).abs() < 1e-12);
+}
+
+/// Cases that end before the strong motion of their record tell nothing of it: no claim that has its cases is
+/// judged, and each says what was shortened. Cases that have seen it are judged.
+#[test]
+fn what_ends_before_the_strong_motion_is_not_judged() {
+    let covered = |intensity: f64| {
+        let mut cases = as_in_the_paper();
+        // One that is short is enough: claims compare cases.
+        cases[2].coverage = Some(Coverage {
+            record: "horizontal".into(),
+            end: 1.5,
+            length: 20.0,
+            intensity,
+            significant: 6.0,
+        });
+        conclusions(&cases)
+    };
+    for claim in covered(0.12) {
+        let told = claim.to_string();
+        assert!(matches!(claim.verdict, Verdict::NotJudged(_)), "{told}");
+        assert!(told.contains("not judged (shortened to 1.500 of 20.000 s of record 'horizontal'"), "{told}");
+    }
+    let judged = |claim: &Conclusion| !matches!(claim.verdict, Verdict::NotJudged(_));
+    assert!(covered(0.951).iter().all(judged));
 }

@@ -1,7 +1,8 @@
 //! What Wang, Chen & Xiao (2019) conclude, put to the test by the cases of a sweep.
 //!
 //! Each of the five conclusions of their section 5 becomes one claim or several that figures can bear out
-//! or not. A claim whose cases are not finished is open, and says which are missing.
+//! or not. A claim whose cases are not finished is open, and says which are missing; one whose cases end before
+//! 95 % of the Arias intensity of their records is not judged.
 //!
 //! ```
 //! use powerhouse_study::{Verdict, conclusions};
@@ -39,6 +40,8 @@ pub enum Verdict {
     Confirmed,
     /// They do not.
     NotConfirmed,
+    /// Some of the cases end before the strong motion of their records: how.
+    NotJudged(String),
     /// Some of the cases that it takes are not there: which.
     Missing(Vec<String>),
 }
@@ -48,6 +51,7 @@ impl fmt::Display for Verdict {
         match self {
             Self::Confirmed => f.write_str("confirmed"),
             Self::NotConfirmed => f.write_str("not confirmed"),
+            Self::NotJudged(why) => write!(f, "not judged ({why})"),
             Self::Missing(cases) => write!(f, "open, without {}", cases.join(", ")),
         }
     }
@@ -75,6 +79,16 @@ pub fn conclusions(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     found.extend(claims::of_weak_parts(outcomes));
     found.extend(contact::of_interaction(outcomes));
     found.extend(contact::of_joints(outcomes));
+    // What ends before the strong motion tells nothing of it.
+    let seen = outcomes.iter().filter_map(|outcome| outcome.coverage.as_ref());
+    let short = seen.filter(|seen| !seen.is_enough());
+    if let Some(short) = short.min_by(|a, b| a.intensity.total_cmp(&b.intensity)) {
+        for claim in &mut found {
+            if !matches!(claim.verdict, Verdict::Missing(_)) {
+                claim.verdict = Verdict::NotJudged(short.shortened());
+            }
+        }
+    }
     found.sort_by_key(|claim| match claim.number {
         // The abstract says the contrary of the fourth conclusion.
         0 => (4, 1),

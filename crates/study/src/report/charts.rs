@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use powerhouse::file_name;
 use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 
 use super::{CaseFiles, column, kinds};
@@ -12,6 +13,8 @@ use crate::sweep::Peak;
 const POINT: &str = "A";
 /// A displacement less than this share of the greatest is not drawn.
 const STILL: f64 = 1e-3;
+/// What is less than this share of the other components is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// Peaks against the angle of incidence, for each kind of wave with several angles: a plot for each.
 pub(super) fn by_angle(
@@ -133,6 +136,77 @@ pub(super) fn histories(
         write_plot(&file, &plot).map_err(powerhouse::Error::from)?;
         let caption = format!("{label} ({name}), {} waves", kind.to_uppercase());
         plots.push((file, caption));
+    }
+    Ok(plots)
+}
+
+/// The histories of scenes of one's own: a plot for each place and quantity, a panel for each component that moves,
+/// a curve for each case.
+pub(super) fn all_histories(
+    cases: &[CaseFiles],
+    folder: &Path,
+) -> Result<Vec<(PathBuf, String)>, StudyError> {
+    // Place, first letter of its components and unit: displacements, velocities, accelerations, stresses.
+    let mut groups: Vec<(String, String, String)> = Vec::new();
+    for column in cases.iter().flat_map(|case| case.histories.iter().skip(1)) {
+        let (place, component) = column.name.rsplit_once('.').unwrap_or((&column.name, ""));
+        let kind = component.get(..1).unwrap_or("").to_owned();
+        let group = (place.to_owned(), kind, column.unit.clone());
+        if !groups.contains(&group) {
+            groups.push(group);
+        }
+    }
+    let mut plots = Vec::new();
+    for (place, kind, unit) in groups {
+        let mut components: Vec<&str> = Vec::new();
+        for column in cases.iter().flat_map(|case| case.histories.iter().skip(1)) {
+            let (own, component) = column.name.rsplit_once('.').unwrap_or((&column.name, ""));
+            let is_one = own == place && component.starts_with(&kind) && column.unit == unit;
+            if is_one && !components.contains(&component) {
+                components.push(component);
+            }
+        }
+        let curves = |component: &str| -> Vec<PlotCurve> {
+            let name = match component {
+                "" => place.clone(),
+                component => format!("{place}.{component}"),
+            };
+            let of = cases.iter().filter_map(|case| {
+                Some(PlotCurve {
+                    name: &case.outcome.name,
+                    x: &case.histories.first()?.values,
+                    y: &column(&case.histories, &name)?.values,
+                })
+            });
+            of.collect()
+        };
+        let mut panels: Vec<PlotPanel> = (components.iter())
+            .map(|component| PlotPanel {
+                label: (*component).to_owned(),
+                unit: unit.clone(),
+                curves: curves(component),
+            })
+            .collect();
+        let greatest = |panel: &PlotPanel| {
+            let values = panel.curves.iter().flat_map(|curve| curve.y);
+            values.fold(0.0_f64, |most, value| most.max(value.abs()))
+        };
+        let most = panels.iter().map(greatest).fold(0.0, f64::max);
+        panels.retain(|panel| greatest(panel) > ROUNDING * most);
+        if panels.is_empty() {
+            continue;
+        }
+        let drawn: Vec<String> = panels.iter().map(|panel| panel.label.clone()).collect();
+        let plot = Plot {
+            title: String::new(),
+            label: "time".into(),
+            unit: "s".into(),
+            panels,
+        };
+        let name = file_name(&format!("{place}-{kind}-{unit}"));
+        let file = folder.join(format!("history-{name}.svg"));
+        write_plot(&file, &plot).map_err(powerhouse::Error::from)?;
+        plots.push((file, format!("{place}: {} ({unit})", drawn.join(", "))));
     }
     Ok(plots)
 }

@@ -12,9 +12,10 @@ use crate::StudyError;
 const HIGHEST: f64 = 15.0;
 
 /// Draws a record (time and acceleration) and the amplitude of its Fourier transform; nothing if it has
-/// too few samples.
+/// too few samples. The time at which runs end (s), if they end before the record does, is marked.
 pub(super) fn plots(
     record: &[TableColumn],
+    end: Option<f64>,
     folder: &Path,
 ) -> Result<Option<[PathBuf; 2]>, StudyError> {
     let (time, acceleration) = (&record[0].values, &record[1].values);
@@ -31,6 +32,15 @@ pub(super) fn plots(
              }| (frequency, amplitude),
         )
         .unzip();
+    let last = time.last().copied().unwrap_or(0.0);
+    let end = end.filter(|end| *end < last).map(|end| [end, end]);
+    let most = acceleration.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+    let height = [-most, most];
+    let mark = end.as_ref().map(|end| PlotCurve {
+        name: "end of the runs",
+        x: end,
+        y: &height,
+    });
     let draw = |name: &str, (label, unit): (&str, &str), (what, of): (&str, &str), x, y| {
         let plot = Plot {
             title: String::new(),
@@ -39,11 +49,13 @@ pub(super) fn plots(
             panels: vec![PlotPanel {
                 label: what.into(),
                 unit: of.into(),
-                curves: vec![PlotCurve {
+                curves: std::iter::once(PlotCurve {
                     name: &record[1].name,
                     x,
                     y,
-                }],
+                })
+                .chain(mark.clone().filter(|_| name == "record"))
+                .collect(),
             }],
         };
         let file = folder.join(format!("{name}-{}.svg", record[1].name));
@@ -66,4 +78,32 @@ pub(super) fn plots(
             &amplitudes,
         )?,
     ]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The plot of a record marks the time at which runs end before it does, and only then.
+    #[test]
+    fn the_end_of_runs_is_marked() {
+        let name = format!("powerhouse-record-plot-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        let times: Vec<f64> = (0..200).map(|i| 0.01 * f64::from(i)).collect();
+        let motion = times.iter().map(|time| (20.0 * time).sin()).collect();
+        let record = [
+            TableColumn::new("time", "s", times),
+            TableColumn::new("quake", "m/s2", motion),
+        ];
+        for (end, marked) in [(Some(0.5), true), (Some(5.0), false), (None, false)] {
+            let [time, spectrum] = plots(&record, end, &folder).unwrap().unwrap();
+            let has_mark = |file: PathBuf| {
+                let text = std::fs::read_to_string(file).unwrap();
+                text.contains("end of the runs")
+            };
+            assert_eq!(has_mark(time), marked, "{end:?}");
+            assert!(!has_mark(spectrum));
+        }
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 }

@@ -8,10 +8,12 @@
 //! mail and the colours of a plot follow light and dark.
 
 mod charts;
+mod doubts;
 mod forces;
 mod fourier;
 mod page;
 mod paper;
+mod repetition;
 mod single;
 mod spectra;
 mod sweep;
@@ -63,6 +65,30 @@ pub fn write_report(folder: impl AsRef<Path>) -> Result<PathBuf, StudyError> {
     Ok(file)
 }
 
+/// What a report of a folder cannot show though the sweep or the run has had it: cases that are not finished,
+/// files that are gone, a run that ended before all its files were there. Nothing if all is there.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn report_gaps(folder: impl AsRef<Path>) -> Result<Vec<String>, StudyError> {
+    let folder = folder.as_ref();
+    if let Some(cases) = listed(folder)? {
+        return Ok(cases.iter().filter_map(|case| case.lacks(folder)).collect());
+    }
+    let summary = read_json(&folder.join("summary.json"));
+    let mut gaps = Vec::new();
+    if summary["ended"] == "incomplete" {
+        let why = summary["failure"].as_str().unwrap_or("");
+        gaps.push(format!("the run is incomplete: {why}"));
+    }
+    let files = summary["files"].as_array().into_iter().flatten();
+    let files = files.filter_map(serde_json::Value::as_str);
+    for file in files.filter(|file| !folder.join(file).exists()) {
+        gaps.push(format!("{file} is gone"));
+    }
+    Ok(gaps)
+}
+
 /// The outcomes of the cases of a sweep that are finished, in the order of the scene; none if the folder
 /// holds no sweep.
 ///
@@ -78,18 +104,24 @@ pub fn read_outcomes(folder: impl AsRef<Path>) -> Result<Vec<CaseOutcome>, Study
 
 /// The folders of the cases of a sweep that are finished, in order; none if it is no sweep.
 fn case_folders(folder: &Path) -> Result<Option<Vec<PathBuf>>, StudyError> {
-    let Ok(text) = std::fs::read(folder.join(CASES)) else {
+    let Some(cases) = listed(folder)? else {
         return Ok(None);
     };
-    let cases: Vec<Listed> =
-        serde_json::from_slice(&text).map_err(|source| StudyError::Outcome {
-            file: folder.join(CASES),
-            source,
-        })?;
     let finished = cases.iter().filter(|case| case.is_finished(folder));
     Ok(Some(
         finished.map(|case| folder.join(case.name())).collect(),
     ))
+}
+
+/// The cases of a sweep; none if the folder holds no sweep.
+fn listed(folder: &Path) -> Result<Option<Vec<Listed>>, StudyError> {
+    let file = folder.join(CASES);
+    let Ok(text) = std::fs::read(&file) else {
+        return Ok(None);
+    };
+    let cases = serde_json::from_slice(&text);
+    let cases: Vec<Listed> = cases.map_err(|source| StudyError::Outcome { file, source })?;
+    Ok(Some(cases))
 }
 
 /// What is on disk of the cases of a sweep that are finished; none if it is no sweep.

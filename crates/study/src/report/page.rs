@@ -38,6 +38,7 @@ th.text{text-align:left}td.text{text-align:left;white-space:normal}td.wide-text{
 figure{margin:1rem 0;break-inside:avoid}
 figure img{max-width:100%;height:auto}
 figcaption{font-size:.85rem;opacity:.8}
+.warning{border-left:.3rem solid #d9822b;background:var(--soft);padding:.4rem .7rem;margin:.5rem 0}
 .pair{display:grid;grid-template-columns:repeat(auto-fill,minmax(20rem,1fr));gap:.5rem 1rem}
 .pair img{background:#fff}
 summary{cursor:pointer;padding:.2rem 0}
@@ -62,6 +63,17 @@ impl Page {
 
     pub(super) fn paragraph(&mut self, text: &str) {
         let _ = writeln!(self.body, "<p>{}</p>", escaped(text));
+    }
+
+    /// What must not be overlooked, a box for each.
+    pub(super) fn warnings(&mut self, texts: &[String]) {
+        for text in texts {
+            let _ = writeln!(
+                self.body,
+                "<p class=\"warning\">Warning: {}</p>",
+                escaped(text)
+            );
+        }
     }
 
     pub(super) fn table(&mut self, table: &Table) {

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::doubts::Doubts;
 use super::page::{Page, Table};
-use super::{read_json, tables};
+use super::{read_json, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;
 
@@ -16,6 +17,9 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     };
     let mut page = Page::new(title);
     page.section("Run");
+    page.warnings(&report_gaps(folder)?);
+    let doubts = Doubts::of([("", &summary)]);
+    page.warnings(&doubts.about(&[]));
     page.paragraph(&tables::repetition(&[&summary]));
     let real = |key: &str| rounded(summary[key].as_f64().unwrap_or(0.0));
     let row = |name: &str, value: String| vec![name.to_owned(), value];
@@ -24,6 +28,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         rows: vec![
             row("steps", summary["steps"].to_string()),
             row("step (s)", real("step")),
+            row("ended", summary["ended"].as_str().unwrap_or("").to_owned()),
             row("end (s)", real("end_time")),
             row("wall time (s)", real("wall_time")),
         ],
@@ -33,6 +38,10 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     let rows = peaks.into_iter().flatten().map(|peak| {
         let text = |key: &str| peak[key].as_str().unwrap_or("").to_owned();
         let real = |key: &str| rounded(peak[key].as_f64().unwrap_or(0.0));
+        if peak["below_rounding"] == true {
+            let (value, time) = ("0, below rounding".into(), String::new());
+            return vec![text("name"), value, text("unit"), time];
+        }
         vec![text("name"), real("value"), text("unit"), real("time")]
     });
     page.table(&Table {
@@ -45,6 +54,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         let files = files(&folder.join(below), end);
         if !files.is_empty() {
             page.section(section);
+            page.warnings(&doubts.about(&["histories", "sections", "joints"]));
         }
         for file in files {
             let name = file

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use powerhouse::io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot, write_table};
+use powerhouse::io::{Plot, PlotCurve, PlotPanel, TableColumn, write_noted_table, write_plot};
 use powerhouse::wavefield::TimeHistory;
 
 use super::page::Table;
@@ -134,8 +134,13 @@ impl FloorSpectra {
         self.periods[0]
     }
 
-    /// Writes the spectra of a case as a table.
-    pub(super) fn write(&self, folder: &Path, case: &str) -> Result<(), StudyError> {
+    /// Writes the spectra of a case as a table, below what must be known of it.
+    pub(super) fn write(
+        &self,
+        folder: &Path,
+        case: &str,
+        note: Option<&str>,
+    ) -> Result<(), StudyError> {
         let own = || self.all.iter().filter(|found| found.case == case);
         if own().next().is_none() {
             return Ok(());
@@ -147,7 +152,8 @@ impl FloorSpectra {
             columns.push(TableColumn::new(name, "m/s2", found.accelerations.clone()));
         }
         let file = folder.join(format!("floor-spectra-{case}.csv"));
-        Ok(write_table(&file, &columns).map_err(powerhouse::Error::from)?)
+        let notes: Vec<String> = note.map(|note| format!("warning: {note}")).into_iter().collect();
+        Ok(write_noted_table(&file, &notes, &columns).map_err(powerhouse::Error::from)?)
     }
 
     /// Peak accelerations of the floors of a case, and the peaks of their spectra.

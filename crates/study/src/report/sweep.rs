@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 use powerhouse::file_name;
 use powerhouse::io::{TableColumn, read_table};
 
+use super::doubts::Doubts;
 use super::page::Page;
 use super::spectra::FloorSpectra;
-use super::{CaseFiles, PLOTS, charts, forces, fourier, paper, tables};
+use super::{
+    CaseFiles, PLOTS, charts, forces, fourier, paper, repetition, report_gaps, tables,
+};
 use crate::StudyError;
 use crate::rounded::rounded;
-use crate::sweep::{CaseOutcome, RECORD};
+use crate::sweep::{CaseOutcome, Peak, RECORD};
 use crate::{conclusions, sensitivity};
 
 /// What a sweep has to show.
@@ -33,9 +36,12 @@ pub(super) fn page(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyErro
         outcomes: cases.iter().map(|case| case.outcome.clone()).collect(),
         plots: folder.join(PLOTS),
     };
-    sweep.runs(&mut page);
+    sweep.runs(&mut page)?;
     sweep.input(&mut page)?;
     sweep.findings(&mut page);
+    if !sweep.is_of_paper() {
+        sweep.results(&mut page)?;
+    }
     sweep.stress(&mut page)?;
     sweep.displacement(&mut page)?;
     sweep.damage(&mut page)?;
@@ -60,8 +66,43 @@ impl Sweep<'_> {
         found.unwrap_or(&self.cases[0])
     }
 
-    fn runs(&self, page: &mut Page) {
+    /// Whether its points are those of the paper: others have a report without its tables.
+    fn is_of_paper(&self) -> bool {
+        let is_crown = |peak: &Peak| peak.name == "A" || peak.name.starts_with("A-concrete");
+        let of = |outcome: &CaseOutcome| {
+            let mut peaks = outcome.stresses.iter().chain(&outcome.displacements);
+            peaks.any(is_crown)
+        };
+        self.outcomes.iter().any(of)
+    }
+
+    /// What was warned of the cases about some topics; about all if none is said.
+    fn doubts(&self, page: &mut Page, topics: &[&str]) {
+        page.warnings(&Doubts::of_cases(self.cases).about(topics));
+    }
+
+    /// The peaks and histories of a scene of one's own, by its own names.
+    fn results(&self, page: &mut Page) -> Result<(), StudyError> {
+        page.section("Peaks");
+        self.doubts(page, &["histories"]);
+        page.table(&tables::all_peaks(self.cases));
+        page.section("Histories");
+        self.doubts(page, &["histories"]);
+        page.figures(charts::all_histories(self.cases, &self.plots)?)?;
+        page.section("Pictures");
+        page.pictures(self.cases, |_| {
+            let names = ["largest-displacement", "largest-velocity", "largest-acceleration"]
+                .into_iter()
+                .chain(["greatest-principal-stress", "least-principal-stress"])
+                .chain(["equivalent_plastic_strain", "damage", "damage_tension"]);
+            names.map(|name| format!("{name}.png")).collect()
+        })
+    }
+
+    fn runs(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Cases");
+        page.warnings(&report_gaps(self.folder)?);
+        self.doubts(page, &[]);
         let summaries: Vec<_> = self.cases.iter().map(|case| &case.summary).collect();
         page.paragraph(&tables::repetition(&summaries));
         page.table(&tables::cases(self.cases));
@@ -70,12 +111,17 @@ impl Sweep<'_> {
             page.paragraph("What the stages came to, once for the cases that share them.");
             page.table(&stages);
         }
+        Ok(())
     }
 
     fn input(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Input");
+        self.doubts(page, &["input"]);
         for record in self.records() {
-            if let Some([time, spectrum]) = fourier::plots(&record, &self.plots)? {
+            let seen = self.outcomes.iter().filter_map(|case| case.coverage.as_ref());
+            let own = seen.filter(|seen| seen.record == record[1].name);
+            let end = own.map(|seen| seen.end).reduce(f64::max);
+            if let Some([time, spectrum]) = fourier::plots(&record, end, &self.plots)? {
                 page.figure(&time, "Acceleration of the record as it enters the waves")?;
                 page.figure(&spectrum, "Its Fourier amplitude")?;
             }
@@ -84,12 +130,15 @@ impl Sweep<'_> {
     }
 
     fn findings(&self, page: &mut Page) {
-        page.section("Against the paper");
-        page.paragraph(paper::CONCLUSIONS);
-        page.table(&paper::conclusions(&conclusions(&self.outcomes)));
-        if let Some(figures) = paper::figures(self.cases) {
-            page.paragraph(paper::FIGURES);
-            page.table(&figures);
+        if self.is_of_paper() {
+            page.section("Against the paper");
+            page.paragraph(paper::CONCLUSIONS);
+            self.doubts(page, &["input"]);
+            page.table(&paper::conclusions(&conclusions(&self.outcomes)));
+            if let Some(figures) = paper::figures(self.cases) {
+                page.paragraph(paper::FIGURES);
+                page.table(&figures);
+            }
         }
         if let Some(table) = tables::sensitivity(&sensitivity(&self.outcomes)) {
             page.section("What single choices do");
@@ -102,10 +151,12 @@ impl Sweep<'_> {
     }
 
     fn stress(&self, page: &mut Page) -> Result<(), StudyError> {
+        if (self.outcomes.iter()).all(|outcome| outcome.stresses.is_empty()) {
+            return Ok(());
+        }
         page.section("Principal stress");
-        page.paragraph(
-            "Greatest principal stress over the motion behind each monitoring point (MPa).",
-        );
+        self.doubts(page, &["histories"]);
+        page.paragraph("Greatest principal stress over the motion of each history of stress (MPa).");
         let stresses = tables::peaks(self.cases, |outcome| &outcome.stresses, 1e-6);
         page.table(&stresses);
         page.figures(charts::by_angle(self.cases, &self.plots, "stress")?)?;
@@ -113,13 +164,26 @@ impl Sweep<'_> {
     }
 
     fn displacement(&self, page: &mut Page) -> Result<(), StudyError> {
-        page.section("Displacement");
-        page.paragraph(
-            "Greatest displacement of the points relative to the middles of the floors (mm); its \
-             direction is any.",
+        let (relative, own) = (
+            (self.outcomes.iter()).any(|outcome| !outcome.relative.is_empty()),
+            (self.outcomes.iter()).any(|outcome| !outcome.displacements.is_empty()),
         );
-        page.table(&tables::peaks(self.cases, |outcome| &outcome.relative, 1e3));
-        page.figures(charts::by_angle(self.cases, &self.plots, "relative")?)?;
+        if !relative && !own {
+            return Ok(());
+        }
+        page.section("Displacement");
+        self.doubts(page, &["histories"]);
+        if relative {
+            page.paragraph(match self.is_of_paper() {
+                true => {
+                    "Greatest displacement of the points relative to the middles of the floors (mm); \
+                     its direction is any."
+                }
+                false => "Greatest relative displacement (mm); its direction is any.",
+            });
+            page.table(&tables::peaks(self.cases, |outcome| &outcome.relative, 1e3));
+            page.figures(charts::by_angle(self.cases, &self.plots, "relative")?)?;
+        }
         if (self.outcomes.iter()).any(|outcome| !outcome.ground.is_empty()) {
             page.paragraph(
                 "The same of the ground alone, as the waves move it where there are no caverns (mm): \
@@ -137,6 +201,9 @@ impl Sweep<'_> {
     }
 
     fn damage(&self, page: &mut Page) -> Result<(), StudyError> {
+        if (self.outcomes.iter()).all(|outcome| outcome.damage.is_empty()) {
+            return Ok(());
+        }
         page.section("Damage");
         page.table(&tables::damage(self.cases));
         if self
@@ -167,6 +234,7 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Joint");
+        self.doubts(page, &["joints"]);
         page.table(&tables::joints(self.cases, |outcome| &outcome.joints));
         if self
             .outcomes
@@ -197,6 +265,7 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Section forces");
+        self.doubts(page, &["sections"]);
         page.paragraph(
             "Normal force N (tension positive), shear force Q and bending moment M of cuts through \
              linings and floors, per metre along the halls, what the stages left included: at rest, and \
@@ -221,6 +290,9 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Floor response spectra");
+        self.doubts(page, &["histories"]);
+        let unknown = repetition::unknown(self.cases);
+        page.warnings(unknown.as_slice());
         page.paragraph(&format!(
             "What equipment on the floors feels: the greatest absolute acceleration of an oscillator \
              against its period, from {} s on, of which the samples of the run still tell. Spectra at 2, 5 \
@@ -229,13 +301,17 @@ impl Sweep<'_> {
             rounded(spectra.shortest())
         ));
         let headline = &self.headline().outcome.name;
-        page.paragraph(&format!("Case {headline}:"));
+        let repeats = |name: &str| match repetition::of(self.cases, name) {
+            Some(known) => format!("{name} ({known})"),
+            None => name.to_owned(),
+        };
+        page.paragraph(&format!("Case {}:", repeats(headline)));
         page.table(&spectra.table(headline));
         for outcome in &self.outcomes {
             let name = &outcome.name;
-            spectra.write(&self.plots, name)?;
+            spectra.write(&self.plots, name, repetition::of(self.cases, name))?;
             if name != headline {
-                page.folded(name, &spectra.table(name));
+                page.folded(&repeats(name), &spectra.table(name));
             }
         }
         let plots = spectra.plots(self.cases, headline, &self.plots)?;
@@ -256,6 +332,7 @@ impl Sweep<'_> {
 
     fn energy(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Energy");
+        self.doubts(page, &["energy"]);
         page.paragraph(
             "The ledger of each case at its end (J): what came in, what is held, what was dissipated and \
              where. The residual is what does not add up.",

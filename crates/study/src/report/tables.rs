@@ -148,6 +148,38 @@ pub(super) fn peaks(
     }
 }
 
+/// All peaks of the summaries by their names, a column for each case.
+pub(super) fn all_peaks(cases: &[CaseFiles]) -> Table {
+    let peaks = |case: &CaseFiles| case.summary["peaks"].as_array().cloned().unwrap_or_default();
+    let mut names: Vec<(String, String)> = Vec::new();
+    for peak in cases.iter().flat_map(peaks) {
+        let text = |key: &str| peak[key].as_str().unwrap_or("").to_owned();
+        let named = (text("name"), text("unit"));
+        if !names.contains(&named) {
+            names.push(named);
+        }
+    }
+    let of_cases: Vec<Vec<Value>> = cases.iter().map(peaks).collect();
+    let rows = names.iter().map(|(name, unit)| {
+        let values = of_cases.iter().map(|peaks| {
+            let found = peaks.iter().find(|peak| peak["name"] == name.as_str());
+            match found {
+                Some(peak) if peak["below_rounding"] == true => "0".to_owned(),
+                found => found
+                    .and_then(|peak| peak["value"].as_f64())
+                    .map_or(String::new(), rounded),
+            }
+        });
+        [name.clone(), unit.clone()].into_iter().chain(values).collect()
+    });
+    let rows = rows.collect();
+    let cases = cases.iter().map(|case| case.outcome.name.clone());
+    Table {
+        rows,
+        head: ["peak".into(), "unit".into()].into_iter().chain(cases).collect(),
+    }
+}
+
 /// Damage of the cases.
 pub(super) fn damage(cases: &[CaseFiles]) -> Table {
     let rows = cases.iter().flat_map(|case| {

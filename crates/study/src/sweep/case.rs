@@ -9,15 +9,15 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    BodyAtRest, Error, Fault, ResultFolder, RunHooks, Scene, SceneFault, SceneText, Simulation,
+    BodyAtRest, Doubt, Error, Fault, ResultFolder, RunHooks, RunNotes, Scene, SceneFault, SceneText, Simulation,
     format,
 };
 
 use super::at_rest::{self, Bodies};
 use super::{
-    CaseInput, CaseOutcome, OUTCOME, Sweep, SweepWatch, finished, ground, locked, pictures,
+    CaseInput, CaseOutcome, Coverage, OUTCOME, Sweep, SweepWatch, finished, ground, locked, pictures,
 };
-use crate::{FreeFieldCheck, StudyError};
+use crate::{FreeFieldCheck, OutputSize, StudyError, Warning, warnings};
 
 /// Who may stop a case, and who is told how it goes.
 pub(super) struct Hearing<'h, 'w> {
@@ -44,13 +44,17 @@ impl Sweep {
         let body = at_rest::key(&scene, &self.scene, &self.text, case);
         let title = format!("{}: {case}", scene.title());
         let ground = ground::relative_peaks(&scene)?;
+        let seen = Coverage::of(&scene, &input);
         let check = scene.self_check();
         let check = check.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(&scene)?, limit)));
         let check = check.transpose()?;
+        let size = OutputSize::of(&scene)?;
+        let mut doubts: Vec<Doubt> = warnings(&scene)?.iter().map(Warning::doubt).collect();
         let mut simulation = scene.prepare()?;
         // A step that is refused is so before anything is removed.
         let step = simulation.step()?;
-        folder.create()?;
+        let lock = folder.lock()?;
+        folder.prove(&simulation, size.bytes(step))?;
         finished::take_back(&path)?;
         folder.clear()?;
         if let Some((check, limit)) = check {
@@ -63,12 +67,18 @@ impl Sweep {
             found.require(limit)?;
         }
 
-        let (mesh, remarks) = (simulation.mesh().clone(), simulation.remarks().to_vec());
+        let mesh = simulation.mesh().clone();
+        doubts.extend(seen.as_ref().and_then(Coverage::doubt));
+        let notes = RunNotes {
+            remarks: simulation.remarks().to_vec(),
+            warnings: doubts,
+        };
+        locked(hearing.watch).warns(case, &notes, lock.remark());
         let hooks = RunHooks {
             at_rest: at_rest(&simulation, (case, &body), &folder, (hearing, bodies))?,
             progress: locked(hearing.watch).progress(case),
             stop: hearing.stop.cloned(),
-            snapshots: Some(folder.snapshots(&mesh, simulation.joint_surfaces())?),
+            snapshots: Some(folder.snapshots(&simulation)?),
             ..RunHooks::default()
         };
         let (results, failure) = match simulation.run(hooks) {
@@ -76,7 +86,8 @@ impl Sweep {
             Err(Error::Failed { error, results }) => (*results, Some(error)),
             Err(error) => return Err(error.into()),
         };
-        folder.write((&title, &mesh), &results, &remarks, text.as_deref())?;
+        let is_ours = lock.is_held();
+        let mut files = folder.write((&title, &mesh), &results, &notes, text.as_deref())?;
         if let Some(failure) = failure {
             return Err(Error::from(failure).into());
         }
@@ -86,13 +97,17 @@ impl Sweep {
         if *ended == Ended::Stopped || (stopped && *ended != Ended::Completed) {
             return Err(StudyError::Interrupted);
         }
-        pictures::draw(&path, &mesh, &results)?;
-        let outcome = CaseOutcome::of((case, input), &mesh, &results, (&relative, ground));
+        files.extend(pictures::draw(&path, &mesh, &results)?);
+        let mut outcome = CaseOutcome::of((case, input), &mesh, &results, (&relative, ground));
+        outcome.coverage = seen;
         let file = path.join(OUTCOME);
         write_summary(&file, &outcome).map_err(Error::from)?;
         // The mark goes last: without it the case is not finished.
+        if !is_ours {
+            lock.release()?;
+        }
         if let Some(mark) = self.marks.get(case) {
-            finished::finish(&path, mark)?;
+            finished::finish(&path, mark, &files)?;
         }
         // As another sweep would find it: a number may lose its last bit in a file.
         CaseOutcome::read(&file)
@@ -141,7 +156,7 @@ fn at_rest(
     }
     if at_rest.is_none() {
         let started = Instant::now();
-        let files = folder.stages(simulation.mesh(), simulation.joint_surfaces())?;
+        let files = folder.stages(simulation)?;
         let told = locked(hearing.watch).stages(case, files);
         let found = simulation.bring_to_rest(hearing.stop, Some(told));
         *at_rest = found.map_err(|error| match error {

@@ -17,6 +17,7 @@
 mod at_rest;
 mod case;
 mod contact;
+mod coverage;
 mod damage;
 mod finished;
 mod ground;
@@ -35,13 +36,15 @@ use std::time::Duration;
 
 use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{ProgressHook, Registry, Scene, StageSink};
+use powerhouse::model::ParameterError;
+use powerhouse::{ProgressHook, Registry, ResultFolder, RunNotes, Scene, StageSink};
 
 use crate::mark::Mark;
 use crate::{StudyError, registry};
 use at_rest::Bodies;
 use case::Hearing;
 pub use contact::{JointAndLining, JointCase};
+pub use coverage::Coverage;
 pub use damage::PartDamage;
 pub(crate) use finished::Listed;
 pub use input::{CaseInput, CaseWave};
@@ -65,6 +68,8 @@ pub trait SweepWatch: Send {
     fn begins(&mut self, _case: &str, _place: usize, _of: usize) {}
     /// A case was finished before.
     fn kept(&mut self, _case: &str) {}
+    /// What was found of a case before it runs, and of the lock of its folder.
+    fn warns(&mut self, _case: &str, _notes: &RunNotes, _lock: Option<&str>) {}
     /// The free field of a case errs by so much: its scene asks for the check.
     fn self_check(&mut self, _case: &str, _error: f64) {}
     /// The body has gone through its stages for this case and those like it.
@@ -159,8 +164,9 @@ impl Sweep {
     /// The same with another duration of every case (s).
     ///
     /// # Errors
-    /// As [`of_file`](Self::of_file): the files are read again.
+    /// A duration that is not above zero and finite; as [`of_file`](Self::of_file): the files are read again.
     pub fn lasting(mut self, duration: f64) -> Result<Self, StudyError> {
+        ParameterError::check("duration", duration, f64::MIN_POSITIVE, f64::MAX)?;
         self.marks = Mark::of_cases((&self.scene, &self.text), &self.all, Some(duration))?;
         self.duration = Some(duration);
         Ok(self)
@@ -195,6 +201,7 @@ impl Sweep {
         stop: Option<&Arc<AtomicBool>>,
         watch: &mut dyn SweepWatch,
     ) -> Result<Vec<CaseOutcome>, StudyError> {
+        let lock = ResultFolder::new(&self.folder).lock()?;
         self.write_inputs()?;
         let bodies = Bodies::in_folder(&self.folder);
         let watch = Mutex::new(watch);
@@ -202,7 +209,7 @@ impl Sweep {
             stop,
             watch: &watch,
         };
-        workers::side_by_side(self.cases.len(), self.at_once, |place| {
+        let found = workers::side_by_side(self.cases.len(), self.at_once, |place| {
             let case = &self.cases[place];
             locked(&watch).begins(case, place + 1, self.cases.len());
             let folder = self.folder.join(case);
@@ -224,7 +231,9 @@ impl Sweep {
             // Under the lock, so that two do not write at once.
             self.write_table()?;
             Ok(outcome)
-        })
+        })?;
+        lock.release()?;
+        Ok(found)
     }
 
     /// Whether a case was finished, by this run or an earlier one of the same files.

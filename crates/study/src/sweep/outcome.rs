@@ -6,6 +6,7 @@ use powerhouse::model::Mesh;
 use serde::{Deserialize, Serialize};
 
 use super::contact::{JointAndLining, JointCase};
+use super::coverage::Coverage;
 use super::damage::{DAMAGED, Damage, PartDamage, STRUCTURE};
 use super::input::CaseInput;
 use crate::StudyError;
@@ -44,6 +45,9 @@ pub struct CaseOutcome {
     /// What comes in, and what it varies.
     #[serde(default)]
     pub input: CaseInput,
+    /// How much of its records it has seen; none if no record moves it.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub coverage: Option<Coverage>,
     /// Steps.
     pub steps: u64,
     /// Their length (s).
@@ -127,6 +131,7 @@ impl CaseOutcome {
         Self {
             name: name.into(),
             input,
+            coverage: None,
             steps: run.steps,
             step: run.step,
             end: run.time,

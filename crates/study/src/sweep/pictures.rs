@@ -1,6 +1,6 @@
 //! Pictures of a case: what its structure suffered, cut open where its middle is.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use powerhouse::Results;
 use powerhouse::io::{ColourMap, Picture, PictureField, PictureView, SectionPlane, write_picture};
@@ -14,14 +14,26 @@ use crate::excerpt::excerpt;
 const KINDS: [&str; 4] = ["none", "tension", "shear", "both"];
 
 /// Draws the greatest damage, what did it, and the greatest principal stress of the structure into a
-/// folder; nothing if the mesh names no structure.
-pub(super) fn draw(folder: &Path, mesh: &Mesh, results: &Results) -> Result<(), StudyError> {
-    let Ok(structure) = mesh.element_set(STRUCTURE) else {
-        return Ok(());
+/// folder, as far as it is there; nothing if the mesh names no structure. Returns the files.
+pub(super) fn draw(
+    folder: &Path,
+    mesh: &Mesh,
+    results: &Results,
+) -> Result<Vec<PathBuf>, StudyError> {
+    let present = results.present.as_deref();
+    let is_there =
+        |element: &u32| present.is_none_or(|present| present[*element as usize]);
+    let structure: Vec<u32> = match mesh.element_set(STRUCTURE) {
+        Ok(structure) => structure.iter().copied().filter(is_there).collect(),
+        Err(_) => Vec::new(),
     };
-    let body = excerpt(mesh, structure)?;
+    if structure.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut files = Vec::new();
+    let body = excerpt(mesh, &structure)?;
     let (low, high) = body.bounding_box();
-    let draw =
+    let mut draw =
         |name: &str, label: &str, (range, kinds), values: &[f64]| -> Result<(), StudyError> {
             let mut picture = Picture::new(&body, PictureField::Elemental(values), label);
             picture.names = kinds;
@@ -36,7 +48,9 @@ pub(super) fn draw(folder: &Path, mesh: &Mesh, results: &Results) -> Result<(), 
             picture.range = range;
             picture.colours = ColourMap::default();
             let file = folder.join(format!("pictures/structure-{name}.png"));
-            Ok(write_picture(&file, &picture).map_err(powerhouse::Error::from)?)
+            write_picture(&file, &picture).map_err(powerhouse::Error::from)?;
+            files.push(file);
+            Ok(())
         };
     let of = |elements: &[u32], values: &[f64]| -> Vec<f64> {
         let known: std::collections::HashMap<u32, f64> = elements
@@ -68,5 +82,5 @@ pub(super) fn draw(folder: &Path, mesh: &Mesh, results: &Results) -> Result<(), 
         let label = "greatest principal stress (MPa)";
         draw("stress", label, (None, &[]), &values)?;
     }
-    Ok(())
+    Ok(files)
 }

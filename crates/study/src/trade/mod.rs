@@ -262,6 +262,7 @@ impl Trade {
             false => alone.len() + MOST_COMBINATIONS,
         };
         let again = usize::from(self.nudged_text()?.is_some());
+        let _lock = powerhouse::ResultFolder::new(&self.folder).lock()?;
         self.announce(most + again, watch)?;
         let mut bench = Bench {
             stop,

@@ -32,7 +32,7 @@ fn replaced_results_count_no_more() {
     replaced.clear().unwrap();
     assert_eq!(reported(&folder), ["steep", "continuous"]);
     replaced
-        .write((&title, &mesh), &results, &[], Some(&text))
+        .write((&title, &mesh), &results, &RunNotes::default(), Some(&text))
         .unwrap();
     assert_eq!(reported(&folder), ["steep", "continuous"]);
     let mut count = Count::default();
@@ -104,4 +104,50 @@ fn a_case_that_fails_keeps_what_it_recorded() {
     let (coarse, _) = run();
     let coarse = coarse.unwrap_err().to_string();
     assert!(coarse.contains("above the scene's self_check"), "{coarse}");
+}
+
+/// A case whose files are gone, or are others than they were, is not finished: a report says so, and a sweep
+/// runs it again.
+#[test]
+fn a_case_whose_files_are_gone_is_run_again() {
+    let folder = Folder::new("gone");
+    let sweep = || folder.sweep().lasting(0.01).unwrap();
+    sweep().run(None, &mut Silent).unwrap();
+    let out = folder.0.join("out");
+    assert_eq!(report_gaps(&out).unwrap(), Vec::<String>::new());
+    std::fs::remove_file(out.join("slanted/histories.csv")).unwrap();
+    std::fs::write(out.join("continuous/plots/A.svg"), "").unwrap();
+    assert_eq!(reported(&folder), ["steep"]);
+    let gaps = report_gaps(&out).unwrap();
+    assert!(gaps[0].contains("'slanted'") && gaps[0].ends_with(": histories.csv"), "{gaps:?}");
+    assert!(gaps[1].contains("'continuous'") && gaps[1].ends_with("A.svg"), "{gaps:?}");
+    let page = std::fs::read_to_string(write_report(&out).unwrap()).unwrap();
+    assert!(page.contains("files of it are gone or changed: histories.csv"));
+    let mut count = Count::default();
+    sweep().run(None, &mut count).unwrap();
+    assert_eq!(count.kept, ["steep"]);
+    assert_eq!(count.ended, ["slanted", "continuous"]);
+    assert_eq!(report_gaps(&out).unwrap(), Vec::<String>::new());
+}
+
+/// Durations that are none are refused by value; a folder that another run holds is refused before a case begins.
+#[test]
+fn a_sweep_is_refused_before_its_first_case() {
+    let folder = Folder::new("refused");
+    for duration in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
+        let refused = folder.sweep().lasting(duration).err().unwrap();
+        assert!(matches!(refused, StudyError::Parameter(_)), "{refused:?}");
+    }
+    let sweep = folder.sweep().lasting(0.01).unwrap();
+    let lock = ResultFolder::new(folder.0.join("out")).lock().unwrap();
+    let refused = sweep.run(None, &mut Silent).unwrap_err().to_string();
+    assert!(refused.contains("another run (process "), "{refused}");
+    assert!(!folder.0.join("out/steep").exists());
+    drop(lock);
+    // A single case of it may be held too, as by a run into its folder.
+    let lock = ResultFolder::new(folder.0.join("out/steep")).lock().unwrap();
+    let refused = steep(&folder).lasting(0.01).unwrap();
+    let refused = refused.run(None, &mut Silent).unwrap_err().to_string();
+    assert!(refused.contains("out/steep: another run"), "{refused}");
+    drop(lock);
 }

@@ -13,9 +13,11 @@ use std::time::Duration;
 
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{BodyAtRest, Error, ResultFolder, RunHooks, Scene};
+use powerhouse::{BodyAtRest, Error, ResultFolder, RunHooks, RunNotes, Scene};
 use powerhouse_study::sweep::{CaseOutcome, Silent, Sweep, SweepWatch};
-use powerhouse_study::{StudyError, read_outcomes, registry, sensitivity, write_report};
+use powerhouse_study::{
+    StudyError, read_outcomes, registry, report_gaps, sensitivity, write_report,
+};
 
 const BAY: &str = "size = \"coarse\"\n[dimensions]\nbelow = 50\n";
 

@@ -74,9 +74,14 @@ fn a_report_needs_nothing_beside_it() {
         "open, without SV 0, SV 15, SV 25, SV 30",
         "What single choices do",
         "checksum of scene and files",
+        // Joint and concrete have history variables.
+        "it is unknown whether these motions repeat",
+        "steep (unknown whether it repeats: not for design)",
     ] {
         assert!(sweep.contains(wanted), "{wanted}");
     }
+    let head = std::fs::read_to_string(folder.0.join("out/report/floor-spectra-steep.csv"));
+    assert!(head.unwrap().starts_with("# warning: unknown whether it repeats"));
     let spectra = read_table(&folder.0.join("out/report/floor-spectra-steep.csv")).unwrap();
     assert!(spectra.iter().any(|column| column.name == "O1 z 5 %"));
     let outcomes = read_outcomes(folder.0.join("out")).unwrap();
@@ -106,4 +111,48 @@ fn a_report_needs_nothing_beside_it() {
         none.to_string().contains("neither a sweep nor a run"),
         "{none}"
     );
+}
+
+/// A sweep of a scene with points of one's own has a report of its own names: peaks, histories drawn, pictures;
+/// nothing of the paper. What elastic ground without joints does is known to repeat.
+#[test]
+fn a_sweep_of_ones_own_has_its_own_report() {
+    let folder = Folder::new("own-report");
+    let place = |text: &str| SCENE.find(text).unwrap();
+    let (joint, support) = (place("[[joint]]"), place("[[support]]"));
+    let (stress, wave) = (place("[in_situ_stress]"), place("[[wave]]"));
+    let (watched, relative) = (place("[[output.joint]]"), place("[[output.relative]]"));
+    let own = [
+        &SCENE[..joint],
+        &SCENE[support..stress],
+        &SCENE[wave..watched],
+        "[output.envelope]\nquantities = [\"velocity\"]\nevery = 0.01\n",
+        &SCENE[relative..place("[[case]]\nname = \"continuous\"")],
+    ];
+    let own = own.concat();
+    let own = own.replace("\"A\"", "\"crown\"").replace("\"O1\"", "\"lower-floor\"");
+    std::fs::write(folder.scene(), own.replace("\"A-O1\"", "\"closure\"")).unwrap();
+    let out = folder.0.join("out");
+    folder.sweep().lasting(0.03).unwrap().run(None, &mut Silent).unwrap();
+    let page = std::fs::read_to_string(write_report(&out).unwrap()).unwrap();
+    for wanted in [
+        "<td class=\"text\">crown.uz</td>",
+        "crown: ux, uz (m)",
+        "lower-floor: ",
+        "steep: largest velocity",
+        "Greatest relative displacement (mm)",
+        "<td class=\"text\">lower-floor z</td>",
+    ] {
+        assert!(page.contains(wanted), "{wanted}");
+    }
+    for unwanted in [
+        "Against the paper",
+        "open, without",
+        "middles of the floors",
+        "unknown whether",
+        "Wang, Chen",
+    ] {
+        assert!(!page.contains(unwanted), "{unwanted}");
+    }
+    assert!(out.join("report/history-crown-u-m.svg").exists());
 }
