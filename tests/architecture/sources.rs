@@ -160,7 +160,8 @@ fn no_file_names_a_machine() {
 /// panic where a reader has gone away, and a library has no say there at all. Tests and examples may.
 #[test]
 fn one_place_prints() {
-    let macros = ["println", "print", "eprintln", "eprint", "dbg"].map(|name| [name, "!("].concat());
+    let macros =
+        ["println", "print", "eprintln", "eprint", "dbg"].map(|name| [name, "!("].concat());
     let is_source = |path: &Path| {
         let parts: Vec<_> = path.strip_prefix(workspace()).unwrap().iter().collect();
         parts.len() > 2 && parts[0] == "crates" && parts[2] == "src"

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use powerhouse_study::{advise_boundary, advise_box};
 
-use crate::{Outcome, WARNED, read};
 use crate::terminal::say_on;
+use crate::{Outcome, WARNED, read};
 
 /// A share such as `5%` or `0.05`.
 pub(crate) fn share(text: &str) -> Result<f64, String> {

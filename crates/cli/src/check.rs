@@ -9,8 +9,8 @@ use powerhouse::RunHooks;
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
 use crate::progress::Display;
-use crate::{INTERRUPTED, Outcome, WARNED, read, report, stop};
 use crate::terminal::say;
+use crate::{INTERRUPTED, Outcome, WARNED, read, report, stop};
 
 /// Looks at a scene; the exit status is 1 if there are warnings.
 pub(crate) fn check(path: &Path, case: Option<&str>) -> Outcome {

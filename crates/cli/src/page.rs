@@ -7,8 +7,8 @@ use powerhouse_study::{
     Conclusion, Verdict, conclusions, read_outcomes, report_gaps, sensitivity, write_report,
 };
 
-use crate::{Outcome, WARNED};
 use crate::terminal::say;
+use crate::{Outcome, WARNED};
 
 /// Writes the page of a folder of results; of a sweep it also prints what became of the conclusions of the
 /// paper, and what single choices do. The exit status is 1 if cases or files are missing.

@@ -3,10 +3,10 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
+use crate::terminal::warn_aside;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use powerhouse::ProgressHook;
 use powerhouse::engine::{Progress, StaticProgress};
-use crate::terminal::warn_aside;
 
 /// The bar is drawn anew after so many steps, and the clock looked at.
 const STEPS_PER_TICK: u64 = 32;

@@ -3,13 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::terminal::say;
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
-use powerhouse::{
-    Error, Remark, Results, RunNotes, Simulation, StageAtRest, StageOverview, Topic,
-};
+use powerhouse::{Error, Remark, Results, RunNotes, Simulation, StageAtRest, StageOverview, Topic};
 use powerhouse_study::{CheckReport, FreeFieldReport, PointError, StaticCost, Warning};
-use crate::terminal::say;
 
 pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> Result<(), Error> {
     let mesh = simulation.mesh().clone();
@@ -61,7 +59,8 @@ pub(crate) fn free_field(report: &FreeFieldReport) {
     let [x, y, z] = report.cells;
     say!(
         "free field without the structure: {x} x {y} x {z} bricks, step {:.3e} s, {:.2} s computed",
-        report.step, report.window
+        report.step,
+        report.window
     );
     errors(&report.points);
     if let Some(points) = &report.damped {
@@ -75,7 +74,12 @@ fn errors(points: &[PointError]) {
         let p = point.position;
         say!(
             "  {:<10} ({:.2}, {:.2}, {:.2}): relative error {:.5} of displacement, {:.5} of velocity",
-            point.name, p.x, p.y, p.z, point.displacement, point.velocity
+            point.name,
+            p.x,
+            p.y,
+            p.z,
+            point.displacement,
+            point.velocity
         );
     }
 }
@@ -87,17 +91,23 @@ pub(crate) fn check(report: &CheckReport) {
     say!("  {} nodes, {} elements", report.nodes, report.elements);
     say!(
         "  edges {:.3} to {:.3} m, longest to shortest in one element at most {:.2}",
-        quality.shortest_edge, quality.longest_edge, quality.largest_aspect
+        quality.shortest_edge,
+        quality.longest_edge,
+        quality.largest_aspect
     );
     say!(
         "  least scaled Jacobian {:.3}, element {}",
-        quality.least_scaled_jacobian, quality.worst_element
+        quality.least_scaled_jacobian,
+        quality.worst_element
     );
     say!("\nfrequencies carried with ten elements per wavelength of shear waves");
     for part in &report.resolution {
         say!(
             "  {:<16} {:>7.2} Hz  ({:.0} m/s, edges up to {:.2} m)",
-            part.set, part.frequency, part.s_speed, part.longest_edge
+            part.set,
+            part.frequency,
+            part.s_speed,
+            part.longest_edge
         );
     }
     if !report.joints.is_empty() {
@@ -107,7 +117,11 @@ pub(crate) fn check(report: &CheckReport) {
         let [first, second] = joint.worst_nodes;
         say!(
             "  {:<16} {}, {} pairs on {:.2} m2, nodes at most {:.2e} m apart ({first} and {second})",
-            joint.name, joint.law, joint.pairs, joint.area, joint.worst_gap
+            joint.name,
+            joint.law,
+            joint.pairs,
+            joint.area,
+            joint.worst_gap
         );
         say!(
             "  {:<16} edges from {:.3} m on: slip and opening are small up to about {:.3} m",
@@ -165,7 +179,8 @@ fn static_cost(stages: &StaticCost) {
     if stages.uncertainty > 1.0 {
         say!(
             "about {time} before it for the stages, within a factor of {} ({} corrections expected, of which {taken} were timed)",
-            stages.uncertainty, stages.corrections
+            stages.uncertainty,
+            stages.corrections
         );
     } else {
         say!("{time} before it for the stages, which took {taken} corrections");
@@ -343,7 +358,9 @@ fn joints(mesh: &Mesh, results: &Results) {
     for joint in results.joints.iter().filter(|joint| joint.most_sweeps > 0) {
         say!(
             "  pairs of '{}' that share nodes took {} sweeps at most, the last one changed motion by {:.1e} at most",
-            joint.name, joint.most_sweeps, joint.worst_residual
+            joint.name,
+            joint.most_sweeps,
+            joint.worst_residual
         );
     }
 }

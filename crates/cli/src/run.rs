@@ -9,8 +9,8 @@ use powerhouse::{Error, ResultFolder, RunHooks, RunNotes, StageAtRest, StageSink
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
 use crate::progress::{Display, Resting};
-use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 use crate::terminal::{say, warn_aside};
+use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
 /// Tells of stages what their files hold in full, around the bars of what runs.
 pub(crate) struct Stages {

@@ -14,8 +14,8 @@ use powerhouse_study::sweep::{CaseOutcome, Peak, Sweep, SweepWatch};
 
 use crate::progress::Display;
 use crate::run::Stages;
-use crate::{INTERRUPTED, Outcome, stop};
 use crate::terminal::say;
+use crate::{INTERRUPTED, Outcome, stop};
 
 /// Tells on the terminal how a sweep goes.
 #[derive(Default)]

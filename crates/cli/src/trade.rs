@@ -12,8 +12,8 @@ use powerhouse_study::trade::{
 };
 
 use crate::progress::Display;
-use crate::{INTERRUPTED, Outcome, WARNED, stop};
 use crate::terminal::say;
+use crate::{INTERRUPTED, Outcome, WARNED, stop};
 
 /// What is wished of a trade.
 #[derive(Args)]
@@ -162,7 +162,8 @@ impl TradeWatch for Told {
         self.clear();
         say!(
             "  the mesh errs by about {:.2e} ({})",
-            mesh.error, mesh.worst
+            mesh.error,
+            mesh.worst
         );
     }
 }
@@ -271,7 +272,8 @@ fn tell(report: &TradeReport) {
     if let Some(mesh) = &report.mesh {
         say!(
             "error of the mesh about {:.1e} ({})",
-            mesh.error, mesh.worst
+            mesh.error,
+            mesh.worst
         );
     }
     if !report.unrepeated.is_empty() {

@@ -36,7 +36,12 @@ fn start(block: &Block) -> std::process::Child {
 #[cfg(unix)]
 fn signal(run: &std::process::Child, signal: &str) {
     let mut kill = Command::new("kill");
-    assert!(kill.args([signal, &run.id().to_string()]).status().unwrap().success());
+    assert!(
+        kill.args([signal, &run.id().to_string()])
+            .status()
+            .unwrap()
+            .success()
+    );
 }
 
 /// A second run into the folder of another one is refused before its first step and names it; the first run
@@ -59,7 +64,10 @@ fn a_folder_has_one_run() {
     let taken = run(&other, &block.out_text());
     let told = text(&taken.stdout);
     assert_eq!(taken.status.code(), Some(0), "{}", text(&taken.stderr));
-    assert!(told.contains("taken over from a run that ended without finishing (process"), "{told}");
+    assert!(
+        told.contains("taken over from a run that ended without finishing (process"),
+        "{told}"
+    );
     assert!(!block.out().join(".powerhouse-lock").exists());
 }
 
@@ -81,7 +89,10 @@ fn a_folder_that_vanishes_is_an_error() {
     let ended = run.wait_with_output().unwrap();
     let errors = text(&ended.stderr);
     assert_eq!(ended.status.code(), Some(2), "{errors}");
-    assert!(errors.contains("was removed while the run went on"), "{errors}");
+    assert!(
+        errors.contains("was removed while the run went on"),
+        "{errors}"
+    );
     for file in ["summary.json", "histories.csv", "plots/inside.svg"] {
         assert!(block.out().join(file).exists(), "{file}");
     }
@@ -115,7 +126,11 @@ fn what_the_end_needs_is_tried_first() {
     let long = Block::new("long", |scene| scene.replace("inside", &name));
     let ended = long.powerhouse(&["run", &long.scene(), "--out", &long.out_text()]);
     assert_eq!(ended.status.code(), Some(2));
-    assert!(!text(&ended.stdout).contains("completed"), "{}", text(&ended.stdout));
+    assert!(
+        !text(&ended.stdout).contains("completed"),
+        "{}",
+        text(&ended.stdout)
+    );
     // A snapshot of every step of a year.
     let large = Block::new("large", |scene| {
         scene
@@ -142,14 +157,21 @@ fn warnings_and_files_are_in_summary_and_report() {
     let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
     let told = text(&ended.stdout);
     assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
-    let warned: Vec<&str> = told.lines().filter_map(|line| line.strip_prefix("warning: ")).collect();
+    let warned: Vec<&str> = told
+        .lines()
+        .filter_map(|line| line.strip_prefix("warning: "))
+        .collect();
     assert!(warned.len() >= 2, "{told}");
     let read = |file: &str| std::fs::read_to_string(block.out().join(file)).unwrap();
     let summary = read("summary.json");
     let report = block.powerhouse(&["report", &block.out_text()]);
     assert_eq!(report.status.code(), Some(0), "{}", text(&report.stdout));
     let page = read("report.html");
-    let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let escaped = |text: &str| {
+        text.replace('&', "&amp;")
+            .replace('<', "&lt;")
+            .replace('>', "&gt;")
+    };
     for warning in warned {
         let quoted = warning.replace('\\', "\\\\").replace('"', "\\\"");
         assert!(summary.contains(&quoted), "{warning}\n{summary}");
@@ -173,13 +195,22 @@ fn rounding_is_no_peak() {
     let told = text(&ended.stdout);
     let line = |name: &str| {
         let mut lines = told.lines();
-        lines.find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{told}"))
+        lines
+            .find(|line| line.starts_with(name))
+            .unwrap_or_else(|| panic!("{told}"))
     };
     // The wave travels along x: y stands still.
-    assert!(line("inside.uy").contains(" 0 m      below rounding"), "{told}");
+    assert!(
+        line("inside.uy").contains(" 0 m      below rounding"),
+        "{told}"
+    );
     assert!(!line("inside.ux").contains("below rounding"));
     let summary = std::fs::read_to_string(block.out().join("summary.json")).unwrap();
-    assert_eq!(summary.matches("\"below_rounding\": true").count(), 2, "{summary}");
+    assert_eq!(
+        summary.matches("\"below_rounding\": true").count(),
+        2,
+        "{summary}"
+    );
 }
 
 /// Durations that are none are refused wherever they are given, before anything is read.
@@ -197,7 +228,10 @@ fn durations_are_refused() {
                 .unwrap();
             let errors = text(&ended.stderr);
             assert_eq!(ended.status.code(), Some(2), "{errors}");
-            assert!(errors.contains("a time in seconds, finite and above 0"), "{errors}");
+            assert!(
+                errors.contains("a time in seconds, finite and above 0"),
+                "{errors}"
+            );
         }
     }
 }

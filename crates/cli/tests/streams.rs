@@ -66,9 +66,16 @@ fn a_full_disk_behind_the_output_does_not_end_a_run() {
         .unwrap();
     let errors = String::from_utf8_lossy(&ended.stderr).into_owned();
     assert_eq!(ended.status.code(), Some(0), "{errors}");
-    assert!(errors.contains("the standard output could not be written"), "{errors}");
+    assert!(
+        errors.contains("the standard output could not be written"),
+        "{errors}"
+    );
     has_results(&block);
-    let ended = command(&run).stdout(full()).stderr(full()).status().unwrap();
+    let ended = command(&run)
+        .stdout(full())
+        .stderr(full())
+        .status()
+        .unwrap();
     assert_eq!(ended.code(), Some(0));
 }
 
@@ -95,7 +102,11 @@ fn what_only_prints_does_not_panic() {
         let full = File::options().write(true).open("/dev/full").unwrap();
         let ended = command(&arguments).stdout(full).output().unwrap();
         let errors = String::from_utf8_lossy(&ended.stderr).into_owned();
-        assert_eq!(ended.status.code(), Some(of_full), "{arguments:?}: {errors}");
+        assert_eq!(
+            ended.status.code(),
+            Some(of_full),
+            "{arguments:?}: {errors}"
+        );
         assert!(!errors.contains("panicked"), "{errors}");
     }
 }

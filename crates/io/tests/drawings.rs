@@ -426,7 +426,9 @@ fn faulty_plots_are_refused() {
 #[test]
 fn what_is_not_there_is_not_drawn() {
     let mesh = cube();
-    let present: Vec<bool> = (0..8).map(|e| mesh.centroid(e).z < 1.0 || mesh.centroid(e).x < 1.0).collect();
+    let present: Vec<bool> = (0..8)
+        .map(|e| mesh.centroid(e).z < 1.0 || mesh.centroid(e).x < 1.0)
+        .collect();
     let draw = |beyond: f64, present: Option<&[bool]>, name: &str| {
         let values: Vec<f64> = (0..8_u32)
             .map(|e| match mesh.centroid(e) {
@@ -445,7 +447,13 @@ fn what_is_not_there_is_not_drawn() {
     let mut picture = Picture::new(&mesh, PictureField::Sets, "x");
     picture.present = Some(&none);
     let file = folder("absent-3").join("x.png");
-    assert!(matches!(write_picture(&file, &picture), Err(IoError::NothingToDraw { .. })));
+    assert!(matches!(
+        write_picture(&file, &picture),
+        Err(IoError::NothingToDraw { .. })
+    ));
     picture.present = Some(&none[..3]);
-    assert!(matches!(write_picture(&file, &picture), Err(IoError::Length { found: 3, .. })));
+    assert!(matches!(
+        write_picture(&file, &picture),
+        Err(IoError::Length { found: 3, .. })
+    ));
 }

@@ -167,7 +167,7 @@ fn whole_numbers_are_integers() {
             name: "yield_state",
             components: 1,
             numbers: VtuNumbers::Whole,
-        unit: "",
+            unit: "",
             values,
         }]
     }
@@ -269,7 +269,9 @@ fn what_is_not_there_is_not_shown() {
     let content = std::fs::read(&file).unwrap();
     let whole = |name: &str| -> Vec<i32> {
         let bytes = array(&content, name);
-        let words = bytes.chunks(4).map(|b| i32::from_le_bytes(b.try_into().unwrap()));
+        let words = bytes
+            .chunks(4)
+            .map(|b| i32::from_le_bytes(b.try_into().unwrap()));
         words.collect()
     };
     let stresses = doubles(&array(&content, "stress"));
@@ -278,16 +280,26 @@ fn what_is_not_there_is_not_shown() {
         assert_eq!(whole("flags")[element], if is { 2 } else { -1 });
         for component in 6 * element..6 * element + 6 {
             let value = stresses[component];
-            assert!(if is { value == stress[component] } else { value.is_nan() });
+            assert!(if is {
+                value == stress[component]
+            } else {
+                value.is_nan()
+            });
         }
     }
-    let (vectors, peaks) = (doubles(&array(&content, "displacement")), doubles(&array(&content, "peak")));
+    let (vectors, peaks) = (
+        doubles(&array(&content, "displacement")),
+        doubles(&array(&content, "peak")),
+    );
     let mut beyond = 0;
     for (node, position) in mesh.positions().iter().enumerate() {
         let is_there = position.z < 0.5 + 1e-9;
         beyond += usize::from(!is_there);
         assert_eq!(peaks[node].is_nan(), !is_there);
-        assert_eq!(vectors[3 * node + 1], if is_there { moved[3 * node + 1] } else { 0.0 });
+        assert_eq!(
+            vectors[3 * node + 1],
+            if is_there { moved[3 * node + 1] } else { 0.0 }
+        );
     }
     assert_eq!(beyond, 31 * 21 * 5);
     let head = String::from_utf8_lossy(&content);
@@ -298,6 +310,10 @@ fn what_is_not_there_is_not_shown() {
         .split_whitespace()
         .map(|code| code.parse::<u8>().unwrap() as char)
         .collect();
-    assert!(text.contains("stress: Pa (xx yy zz xy yz zx)\n") || text.contains("stress: Pa (xx yy zz xy yz zx)\0"), "{text}");
+    assert!(
+        text.contains("stress: Pa (xx yy zz xy yz zx)\n")
+            || text.contains("stress: Pa (xx yy zz xy yz zx)\0"),
+        "{text}"
+    );
     std::fs::remove_dir_all(folder).unwrap();
 }

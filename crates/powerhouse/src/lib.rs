@@ -74,8 +74,9 @@ pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use output::{
-    BoltForces, CutWish, EnergyResidual, EnvelopeWish, FolderError, FolderLock, HistoryWish, JointWish, OutputPlan,
-    RelativeWish, ResultFolder, Results, SnapshotWish, StateWish, StressWish, file_name,
+    BoltForces, CutWish, EnergyResidual, EnvelopeWish, FolderError, FolderLock, HistoryWish,
+    JointWish, OutputPlan, RelativeWish, ResultFolder, Results, SnapshotWish, StateWish,
+    StressWish, file_name,
 };
 pub use part::{Kernel, Material, Part};
 pub use reduction::reduction_layer;

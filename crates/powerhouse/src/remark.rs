@@ -193,7 +193,8 @@ impl RunNotes {
     pub(crate) fn about(&self, topic: Topic) -> Vec<String> {
         let doubts = self.doubts(&[]).into_iter();
         let own = doubts.filter(|doubt| doubt.about == topic);
-        own.map(|doubt| format!("warning: {}", doubt.text)).collect()
+        own.map(|doubt| format!("warning: {}", doubt.text))
+            .collect()
     }
     /// All doubts, those of the results themselves last; each once.
     pub(crate) fn doubts(&self, of_results: &[Remark]) -> Vec<Doubt> {

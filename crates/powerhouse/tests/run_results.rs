@@ -294,7 +294,11 @@ fn sections_through_tetrahedra_are_doubted() {
         let folder = Folder::new(&format!("cut-{name}"));
         let rock = Material::from(LinearElastic::new(media::ROCK));
         let plan = OutputPlan::default();
-        let plan = if is_cut { plan.cut("rock", cut.clone()) } else { plan };
+        let plan = if is_cut {
+            plan.cut("rock", cut.clone())
+        } else {
+            plan
+        };
         let scene = Scene::new("cut", mesh)
             .part(Part::new("rock", rock))
             .duration(0.01)
@@ -306,8 +310,14 @@ fn sections_through_tetrahedra_are_doubted() {
         };
         let told = notes.remarks.iter().filter(|remark| remark.is_warning());
         let told: Vec<String> = told.map(ToString::to_string).collect();
-        let says = |text: &str| text.contains("section 'waist' cuts") && text.contains("hexahedra or wedges");
-        assert_eq!(told.iter().any(|text| says(text)), doubted, "{name}: {told:?}");
+        let says = |text: &str| {
+            text.contains("section 'waist' cuts") && text.contains("hexahedra or wedges")
+        };
+        assert_eq!(
+            told.iter().any(|text| says(text)),
+            doubted,
+            "{name}: {told:?}"
+        );
         let mesh = simulation.mesh().clone();
         let results = simulation.run(RunHooks::default()).unwrap();
         let out = ResultFolder::new(&folder.0);
@@ -315,7 +325,11 @@ fn sections_through_tetrahedra_are_doubted() {
         let read = |file: &str| std::fs::read_to_string(folder.0.join(file)).unwrap_or_default();
         assert_eq!(says(&read("summary.json")), doubted, "{name}");
         let table = read("sections.csv");
-        assert_eq!(table.starts_with("# warning: ") && says(&table), doubted, "{table}");
+        assert_eq!(
+            table.starts_with("# warning: ") && says(&table),
+            doubted,
+            "{table}"
+        );
         if is_cut {
             let columns = powerhouse::io::read_table(&folder.0.join("sections.csv")).unwrap();
             assert!(columns.len() > 1);

@@ -1,9 +1,9 @@
 //! The conclusions of the paper and the sensitivity of figures, from outcomes that are made up.
 
+use powerhouse_study::sweep::Coverage;
 use powerhouse_study::sweep::{
     CaseInput, CaseOutcome, CaseWave, JointAndLining, JointCase, PartDamage, Peak,
 };
-use powerhouse_study::sweep::Coverage;
 use powerhouse_study::{Conclusion, Verdict, conclusions, sensitivity};
 
 fn peak(name: &str, value: f64) -> Peak {
@@ -384,7 +384,10 @@ fn what_ends_before_the_strong_motion_is_not_judged() {
     for claim in covered(0.12) {
         let told = claim.to_string();
         assert!(matches!(claim.verdict, Verdict::NotJudged(_)), "{told}");
-        assert!(told.contains("not judged (shortened to 1.500 of 20.000 s of record 'horizontal'"), "{told}");
+        assert!(
+            told.contains("not judged (shortened to 1.500 of 20.000 s of record 'horizontal'"),
+            "{told}"
+        );
     }
     let judged = |claim: &Conclusion| !matches!(claim.verdict, Verdict::NotJudged(_));
     assert!(covered(0.951).iter().all(judged));

@@ -354,8 +354,13 @@ impl Files<'_> {
 
     /// What was written, below the folder.
     fn names(&self) -> Vec<String> {
-        let below = self.written.iter().filter_map(|file| file.strip_prefix(self.folder).ok());
-        below.map(|file| file.to_string_lossy().replace('\\', "/")).collect()
+        let below = self
+            .written
+            .iter()
+            .filter_map(|file| file.strip_prefix(self.folder).ok());
+        below
+            .map(|file| file.to_string_lossy().replace('\\', "/"))
+            .collect()
     }
 }
 

@@ -284,7 +284,8 @@ mod tests {
         let whole = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
         let slab = |upper: bool| -> Vec<u32> {
             let all = 0..whole.element_count() as u32;
-            all.filter(|&e| (whole.centroid(e).z > 1.0) == upper).collect()
+            all.filter(|&e| (whole.centroid(e).z > 1.0) == upper)
+                .collect()
         };
         let split = whole.split_between(&slab(false), &slab(true)).unwrap();
         let options = SurfaceOptions::within(1e-6).unwrap();
@@ -299,7 +300,10 @@ mod tests {
         assert_eq!(count(&|_| true), 12);
         // A row of three on one side, a brick inside on the other, one side as a whole.
         assert_eq!(count(&|at| at.z > 1.0 || at.x > 1.0), 9);
-        assert_eq!(count(&|at| at.z < 1.0 || (at - Vec3::new(1.5, 1.5, 1.5)).norm() > 0.1), 11);
+        assert_eq!(
+            count(&|at| at.z < 1.0 || (at - Vec3::new(1.5, 1.5, 1.5)).norm() > 0.1),
+            11
+        );
         assert_eq!(count(&|at| at.z < 1.0), 0);
     }
 }

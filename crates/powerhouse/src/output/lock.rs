@@ -250,10 +250,17 @@ mod tests {
     fn the_lock_of_a_dead_run_is_taken_over() {
         let folder = folder("dead");
         fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join(LOCK), "process 1234, since 2001-02-03 04:05:06 UTC\n1.0\n").unwrap();
+        fs::write(
+            folder.join(LOCK),
+            "process 1234, since 2001-02-03 04:05:06 UTC\n1.0\n",
+        )
+        .unwrap();
         let lock = FolderLock::take(&folder).unwrap();
         let remark = lock.remark().unwrap();
-        assert!(remark.ends_with("(process 1234, since 2001-02-03 04:05:06 UTC)"), "{remark}");
+        assert!(
+            remark.ends_with("(process 1234, since 2001-02-03 04:05:06 UTC)"),
+            "{remark}"
+        );
         drop(lock);
         fs::remove_dir_all(folder).unwrap();
     }

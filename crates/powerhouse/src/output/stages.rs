@@ -54,9 +54,7 @@ impl StageFiles {
             if let (Some(state), Some(facets)) = (of_name, facets) {
                 let fields = facets.fields(&surface.pairs, &state.records);
                 let time = (stage.index + 1) as f64;
-                facets
-                    .writer
-                    .write(&end, time, &scalars(&fields), &[])?;
+                facets.writer.write(&end, time, &scalars(&fields), &[])?;
             }
         }
         for bolts in &stage.bolts {
@@ -88,7 +86,12 @@ impl StageFiles {
             unit,
             values,
         };
-        let nodal = [field(("displacement", "m"), 3, VtuNumbers::Real, &displacement)];
+        let nodal = [field(
+            ("displacement", "m"),
+            3,
+            VtuNumbers::Real,
+            &displacement,
+        )];
         let mut elemental = vec![field(("stress", "Pa"), 6, VtuNumbers::Real, &stress)];
         for (variable, values) in &remembered {
             let name = (variable.name, unit(variable.unit));

@@ -3,7 +3,9 @@
 use powerhouse::engine::observe::JointQuantities;
 use powerhouse::io::read_table;
 use powerhouse::model::{Bond, ContactState, JointRecord, Vec3};
-use powerhouse::{Error, JointWish, JointZone, OutputPlan, ResultFolder, RunHooks, RunNotes, SnapshotWish};
+use powerhouse::{
+    Error, JointWish, JointZone, OutputPlan, ResultFolder, RunHooks, RunNotes, SnapshotWish,
+};
 
 use crate::joints::{JOINT, folder, halves, read, twin};
 use crate::support::*;
@@ -275,7 +277,9 @@ fn columns_say_what_becomes_of_the_pairs() {
 
     let folder = Folder::new("joint-columns");
     let output = ResultFolder::new(&folder.0);
-    let written = output.write(("cube", &mesh), &results, &RunNotes::default(), None).unwrap();
+    let written = output
+        .write(("cube", &mesh), &results, &RunNotes::default(), None)
+        .unwrap();
     for name in [
         "joints.csv",
         "joints/bedding.vtu",
@@ -330,12 +334,9 @@ fn snapshots_hold_joints() {
     });
     scene = scene.output(plan);
     let simulation = scene.prepare().unwrap();
-    let mesh = simulation.mesh().clone();
     let folder = Folder::new("joint-snapshots");
     let output = ResultFolder::new(&folder.0);
-    let sink = output
-        .snapshots(&simulation)
-        .unwrap();
+    let sink = output.snapshots(&simulation).unwrap();
     let hooks = RunHooks {
         snapshots: Some(sink),
         ..RunHooks::default()

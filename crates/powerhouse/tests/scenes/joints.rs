@@ -113,7 +113,9 @@ fn a_joint_of_a_file_is_the_one_of_rust() {
     assert!((share - last("bedding.peak_opening").max(last("bedding.slip")) / 50.0).abs() < 1e-12);
 
     let results = ResultFolder::new(folder.0.join("results"));
-    let written = results.write(("cube", &mesh), &file, &RunNotes::default(), None).unwrap();
+    let written = results
+        .write(("cube", &mesh), &file, &RunNotes::default(), None)
+        .unwrap();
     for name in ["joints.csv", "joints/bedding.vtu"] {
         assert!(
             written.contains(&folder.0.join("results").join(name)),

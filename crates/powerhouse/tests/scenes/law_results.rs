@@ -111,7 +111,8 @@ fn what_laws_remember_is_recorded() {
     let torn = last(&results, "damage_tension");
     assert_eq!(torn, last(&twin, "damage_tension"));
     assert!(torn.iter().all(|d| (0.0..1.0).contains(d)) && torn.iter().any(|d| *d > 0.1));
-    out.write(("cube", &mesh), &results, &RunNotes::default(), None).unwrap();
+    out.write(("cube", &mesh), &results, &RunNotes::default(), None)
+        .unwrap();
     let summary = std::fs::read_to_string(out.path().join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     let peaks = summary["peaks"].as_array().unwrap();

@@ -199,11 +199,7 @@ fn a_stopped_run_leaves_complete_output() {
     let raised = stop.clone();
     let hooks = RunHooks {
         stop: Some(stop),
-        snapshots: Some(
-            results
-                .snapshots(&simulation)
-                .unwrap(),
-        ),
+        snapshots: Some(results.snapshots(&simulation).unwrap()),
         progress: Some(Box::new(move |progress| {
             if progress.done == 20 {
                 raised.store(true, Ordering::Relaxed);
@@ -214,7 +210,12 @@ fn a_stopped_run_leaves_complete_output() {
     let found = simulation.run(hooks).unwrap();
     assert_eq!((found.run.steps, &found.run.ended), (21, &Ended::Stopped));
     let files = results
-        .write(("cube", &mesh), &found, &powerhouse::RunNotes::default(), Some(CUBE))
+        .write(
+            ("cube", &mesh),
+            &found,
+            &powerhouse::RunNotes::default(),
+            Some(CUBE),
+        )
         .unwrap();
     let names: Vec<String> = files
         .iter()

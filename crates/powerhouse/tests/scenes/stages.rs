@@ -14,8 +14,8 @@ use powerhouse::material::LinearElastic;
 use powerhouse::model::{Bond, ElasticMedium, Mesh, Stress, Vec3};
 use powerhouse::{
     BoltPlace, Boundary, Error, InSituStress, Material, OutputPlan, Part, Preload, Registry,
-    ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts, SceneJoint, SceneStage, StageAtRest,
-    StageSink, StagingError,
+    ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts, SceneJoint, SceneStage,
+    StageAtRest, StageSink, StagingError,
 };
 
 use crate::support::{Folder, SIDES, run};

@@ -80,7 +80,9 @@ pub fn conclusions(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     found.extend(contact::of_interaction(outcomes));
     found.extend(contact::of_joints(outcomes));
     // What ends before the strong motion tells nothing of it.
-    let seen = outcomes.iter().filter_map(|outcome| outcome.coverage.as_ref());
+    let seen = outcomes
+        .iter()
+        .filter_map(|outcome| outcome.coverage.as_ref());
     let short = seen.filter(|seen| !seen.is_enough());
     if let Some(short) = short.min_by(|a, b| a.intensity.total_cmp(&b.intensity)) {
         for claim in &mut found {

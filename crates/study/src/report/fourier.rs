@@ -34,7 +34,9 @@ pub(super) fn plots(
         .unzip();
     let last = time.last().copied().unwrap_or(0.0);
     let end = end.filter(|end| *end < last).map(|end| [end, end]);
-    let most = acceleration.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+    let most = acceleration
+        .iter()
+        .fold(0.0_f64, |most, a| most.max(a.abs()));
     let height = [-most, most];
     let mark = end.as_ref().map(|end| PlotCurve {
         name: "end of the runs",
@@ -54,7 +56,7 @@ pub(super) fn plots(
                     x,
                     y,
                 })
-                .chain(mark.clone().filter(|_| name == "record"))
+                .chain(mark.filter(|_| name == "record"))
                 .collect(),
             }],
         };

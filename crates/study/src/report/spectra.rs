@@ -152,7 +152,10 @@ impl FloorSpectra {
             columns.push(TableColumn::new(name, "m/s2", found.accelerations.clone()));
         }
         let file = folder.join(format!("floor-spectra-{case}.csv"));
-        let notes: Vec<String> = note.map(|note| format!("warning: {note}")).into_iter().collect();
+        let notes: Vec<String> = note
+            .map(|note| format!("warning: {note}"))
+            .into_iter()
+            .collect();
         Ok(write_noted_table(&file, &notes, &columns).map_err(powerhouse::Error::from)?)
     }
 

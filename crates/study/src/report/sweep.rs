@@ -8,9 +8,7 @@ use powerhouse::io::{TableColumn, read_table};
 use super::doubts::Doubts;
 use super::page::Page;
 use super::spectra::FloorSpectra;
-use super::{
-    CaseFiles, PLOTS, charts, forces, fourier, paper, repetition, report_gaps, tables,
-};
+use super::{CaseFiles, PLOTS, charts, forces, fourier, paper, repetition, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, Peak, RECORD};
@@ -91,10 +89,14 @@ impl Sweep<'_> {
         page.figures(charts::all_histories(self.cases, &self.plots)?)?;
         page.section("Pictures");
         page.pictures(self.cases, |_| {
-            let names = ["largest-displacement", "largest-velocity", "largest-acceleration"]
-                .into_iter()
-                .chain(["greatest-principal-stress", "least-principal-stress"])
-                .chain(["equivalent_plastic_strain", "damage", "damage_tension"]);
+            let names = [
+                "largest-displacement",
+                "largest-velocity",
+                "largest-acceleration",
+            ]
+            .into_iter()
+            .chain(["greatest-principal-stress", "least-principal-stress"])
+            .chain(["equivalent_plastic_strain", "damage", "damage_tension"]);
             names.map(|name| format!("{name}.png")).collect()
         })
     }
@@ -118,7 +120,10 @@ impl Sweep<'_> {
         page.section("Input");
         self.doubts(page, &["input"]);
         for record in self.records() {
-            let seen = self.outcomes.iter().filter_map(|case| case.coverage.as_ref());
+            let seen = self
+                .outcomes
+                .iter()
+                .filter_map(|case| case.coverage.as_ref());
             let own = seen.filter(|seen| seen.record == record[1].name);
             let end = own.map(|seen| seen.end).reduce(f64::max);
             if let Some([time, spectrum]) = fourier::plots(&record, end, &self.plots)? {
@@ -156,7 +161,9 @@ impl Sweep<'_> {
         }
         page.section("Principal stress");
         self.doubts(page, &["histories"]);
-        page.paragraph("Greatest principal stress over the motion of each history of stress (MPa).");
+        page.paragraph(
+            "Greatest principal stress over the motion of each history of stress (MPa).",
+        );
         let stresses = tables::peaks(self.cases, |outcome| &outcome.stresses, 1e-6);
         page.table(&stresses);
         page.figures(charts::by_angle(self.cases, &self.plots, "stress")?)?;

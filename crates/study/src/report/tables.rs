@@ -150,7 +150,12 @@ pub(super) fn peaks(
 
 /// All peaks of the summaries by their names, a column for each case.
 pub(super) fn all_peaks(cases: &[CaseFiles]) -> Table {
-    let peaks = |case: &CaseFiles| case.summary["peaks"].as_array().cloned().unwrap_or_default();
+    let peaks = |case: &CaseFiles| {
+        case.summary["peaks"]
+            .as_array()
+            .cloned()
+            .unwrap_or_default()
+    };
     let mut names: Vec<(String, String)> = Vec::new();
     for peak in cases.iter().flat_map(peaks) {
         let text = |key: &str| peak[key].as_str().unwrap_or("").to_owned();
@@ -170,13 +175,19 @@ pub(super) fn all_peaks(cases: &[CaseFiles]) -> Table {
                     .map_or(String::new(), rounded),
             }
         });
-        [name.clone(), unit.clone()].into_iter().chain(values).collect()
+        [name.clone(), unit.clone()]
+            .into_iter()
+            .chain(values)
+            .collect()
     });
     let rows = rows.collect();
     let cases = cases.iter().map(|case| case.outcome.name.clone());
     Table {
         rows,
-        head: ["peak".into(), "unit".into()].into_iter().chain(cases).collect(),
+        head: ["peak".into(), "unit".into()]
+            .into_iter()
+            .chain(cases)
+            .collect(),
     }
 }
 

@@ -9,13 +9,14 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    BodyAtRest, Doubt, Error, Fault, ResultFolder, RunHooks, RunNotes, Scene, SceneFault, SceneText, Simulation,
-    format,
+    BodyAtRest, Doubt, Error, Fault, ResultFolder, RunHooks, RunNotes, Scene, SceneFault,
+    SceneText, Simulation, format,
 };
 
 use super::at_rest::{self, Bodies};
 use super::{
-    CaseInput, CaseOutcome, Coverage, OUTCOME, Sweep, SweepWatch, finished, ground, locked, pictures,
+    CaseInput, CaseOutcome, Coverage, OUTCOME, Sweep, SweepWatch, finished, ground, locked,
+    pictures,
 };
 use crate::{FreeFieldCheck, OutputSize, StudyError, Warning, warnings};
 

@@ -105,7 +105,14 @@ mod tests {
         // Constant from 2 to 4 s, still before and after.
         let samples = (0..=600).map(|i| f64::from(u8::from((200..=400).contains(&i))));
         let record = TimeHistory::new(0.01, samples.collect()).unwrap();
-        for (end, share) in [(0.0, 0.0), (1.5, 0.0), (3.0, 0.5), (3.8, 0.9), (4.5, 1.0), (60.0, 1.0)] {
+        for (end, share) in [
+            (0.0, 0.0),
+            (1.5, 0.0),
+            (3.0, 0.5),
+            (3.8, 0.9),
+            (4.5, 1.0),
+            (60.0, 1.0),
+        ] {
             let found = Coverage::of_record("x", &record, end);
             assert!((found.intensity - share).abs() < 5e-3, "{end}: {found:?}");
             assert_eq!(found.is_enough(), share >= 0.95);
@@ -113,6 +120,9 @@ mod tests {
             assert_eq!(found.length, 6.0);
         }
         let told = Coverage::of_record("x", &record, 3.0).shortened();
-        assert!(told.starts_with("shortened to 3.000 of 6.000 s of record 'x', 50.0 %"), "{told}");
+        assert!(
+            told.starts_with("shortened to 3.000 of 6.000 s of record 'x', 50.0 %"),
+            "{told}"
+        );
     }
 }

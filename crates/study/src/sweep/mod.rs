@@ -35,8 +35,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
-use powerhouse::wavefield::TimeHistory;
 use powerhouse::model::ParameterError;
+use powerhouse::wavefield::TimeHistory;
 use powerhouse::{ProgressHook, Registry, ResultFolder, RunNotes, Scene, StageSink};
 
 use crate::mark::Mark;

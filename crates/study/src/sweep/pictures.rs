@@ -21,8 +21,7 @@ pub(super) fn draw(
     results: &Results,
 ) -> Result<Vec<PathBuf>, StudyError> {
     let present = results.present.as_deref();
-    let is_there =
-        |element: &u32| present.is_none_or(|present| present[*element as usize]);
+    let is_there = |element: &u32| present.is_none_or(|present| present[*element as usize]);
     let structure: Vec<u32> = match mesh.element_set(STRUCTURE) {
         Ok(structure) => structure.iter().copied().filter(is_there).collect(),
         Err(_) => Vec::new(),

@@ -119,8 +119,14 @@ fn a_case_whose_files_are_gone_is_run_again() {
     std::fs::write(out.join("continuous/plots/A.svg"), "").unwrap();
     assert_eq!(reported(&folder), ["steep"]);
     let gaps = report_gaps(&out).unwrap();
-    assert!(gaps[0].contains("'slanted'") && gaps[0].ends_with(": histories.csv"), "{gaps:?}");
-    assert!(gaps[1].contains("'continuous'") && gaps[1].ends_with("A.svg"), "{gaps:?}");
+    assert!(
+        gaps[0].contains("'slanted'") && gaps[0].ends_with(": histories.csv"),
+        "{gaps:?}"
+    );
+    assert!(
+        gaps[1].contains("'continuous'") && gaps[1].ends_with("A.svg"),
+        "{gaps:?}"
+    );
     let page = std::fs::read_to_string(write_report(&out).unwrap()).unwrap();
     assert!(page.contains("files of it are gone or changed: histories.csv"));
     let mut count = Count::default();
@@ -145,7 +151,9 @@ fn a_sweep_is_refused_before_its_first_case() {
     assert!(!folder.0.join("out/steep").exists());
     drop(lock);
     // A single case of it may be held too, as by a run into its folder.
-    let lock = ResultFolder::new(folder.0.join("out/steep")).lock().unwrap();
+    let lock = ResultFolder::new(folder.0.join("out/steep"))
+        .lock()
+        .unwrap();
     let refused = steep(&folder).lasting(0.01).unwrap();
     let refused = refused.run(None, &mut Silent).unwrap_err().to_string();
     assert!(refused.contains("out/steep: another run"), "{refused}");

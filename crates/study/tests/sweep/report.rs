@@ -81,7 +81,10 @@ fn a_report_needs_nothing_beside_it() {
         assert!(sweep.contains(wanted), "{wanted}");
     }
     let head = std::fs::read_to_string(folder.0.join("out/report/floor-spectra-steep.csv"));
-    assert!(head.unwrap().starts_with("# warning: unknown whether it repeats"));
+    assert!(
+        head.unwrap()
+            .starts_with("# warning: unknown whether it repeats")
+    );
     let spectra = read_table(&folder.0.join("out/report/floor-spectra-steep.csv")).unwrap();
     assert!(spectra.iter().any(|column| column.name == "O1 z 5 %"));
     let outcomes = read_outcomes(folder.0.join("out")).unwrap();
@@ -130,10 +133,17 @@ fn a_sweep_of_ones_own_has_its_own_report() {
         &SCENE[relative..place("[[case]]\nname = \"continuous\"")],
     ];
     let own = own.concat();
-    let own = own.replace("\"A\"", "\"crown\"").replace("\"O1\"", "\"lower-floor\"");
+    let own = own
+        .replace("\"A\"", "\"crown\"")
+        .replace("\"O1\"", "\"lower-floor\"");
     std::fs::write(folder.scene(), own.replace("\"A-O1\"", "\"closure\"")).unwrap();
     let out = folder.0.join("out");
-    folder.sweep().lasting(0.03).unwrap().run(None, &mut Silent).unwrap();
+    folder
+        .sweep()
+        .lasting(0.03)
+        .unwrap()
+        .run(None, &mut Silent)
+        .unwrap();
     let page = std::fs::read_to_string(write_report(&out).unwrap()).unwrap();
     for wanted in [
         "<td class=\"text\">crown.uz</td>",
