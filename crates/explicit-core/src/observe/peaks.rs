@@ -57,12 +57,13 @@ pub struct PeakTable {
     pub rows: Vec<PeakRow>,
 }
 
-/// The share of the largest peak of a unit below which a peak is rounding: a few times what sums over a run
-/// leave of zero in double precision.
-const ROUNDING: f64 = 1e-12;
+/// The share of the largest peak of a unit below which a peak is rounding. What rounding leaves of zero in a
+/// displacement, about 1e-16 of the others, stands over the square of the step in an acceleration: 1e-9 of the
+/// largest is beyond both, and no figure of a motion.
+const ROUNDING: f64 = 1e-9;
 
 impl PeakTable {
-    /// Whether a peak is no motion but rounding beside the others of its unit: below 1e-12 of the largest.
+    /// Whether a peak is no motion but rounding beside the others of its unit: below 1e-9 of the largest.
     pub fn is_rounding(&self, row: &PeakRow) -> bool {
         let of_unit = self.rows.iter().filter(|other| other.unit == row.unit);
         let largest = of_unit.fold(0.0_f64, |most, other| most.max(other.value.abs()));

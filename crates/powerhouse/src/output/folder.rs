@@ -60,11 +60,13 @@ pub(super) const SUMMARY: &str = "summary.json";
 /// Tables, with a plot of each of their names.
 pub(super) const TABLES: [&str; 5] = [
     "histories.csv",
-    "sections.csv",
+    SECTIONS,
     "energies.csv",
     "joints.csv",
     "bolts.csv",
 ];
+/// Section forces; above their header stand doubts about them.
+const SECTIONS: &str = "sections.csv";
 /// Greatest values, with a picture of each.
 pub(super) const ENVELOPE: &str = "envelope.vtu";
 /// The greatest of what laws remember, with a picture of each.
@@ -282,15 +284,20 @@ impl ResultFolder {
     /// Writes the tables and draws them.
     fn write_tables(&self, files: &mut Files, results: &Results, notes: &RunNotes) {
         let tables = [
-            (&results.histories, Topic::Histories),
-            (&results.sections, Topic::Sections),
-            (&results.energies, Topic::Energy),
-            (&results.joint_histories, Topic::Joints),
-            (&results.bolt_histories, Topic::Bolts),
+            &results.histories,
+            &results.sections,
+            &results.energies,
+            &results.joint_histories,
+            &results.bolt_histories,
         ];
-        for (name, (table, topic)) in TABLES.into_iter().zip(tables) {
+        for (name, table) in TABLES.into_iter().zip(tables) {
             if !table.times.is_empty() {
-                let (columns, heads) = (columns(table), notes.about(topic));
+                let columns = columns(table);
+                // Doubts about all of a run stand in its summary; these are about the numbers below.
+                let heads = match name {
+                    SECTIONS => notes.about(Topic::Sections),
+                    _ => Vec::new(),
+                };
                 files.write(name, |file| write_noted_table(file, &heads, &columns));
             }
         }
