@@ -1,6 +1,6 @@
 //! Conditions that correct a predicted motion.
 
-use crate::{JointHistory, JointView, Mat3, RunError, Vec3};
+use crate::{JointHistory, JointView, Mat3, Renewal, RunError, Vec3};
 
 /// The motion that the integrator predicts without the constraint, at the constraint's own nodes.
 ///
@@ -100,6 +100,12 @@ pub trait Constraint: Send {
     /// Puts the pairs of a joint into the state of an earlier run, whatever the order of its pairs
     /// then; says whether it has a joint of that name with these pairs.
     fn restore(&mut self, _history: &JointHistory) -> bool {
+        false
+    }
+    /// Starts a joint anew, by name, at a displacement (m, in the order of [`nodes`](Self::nodes)) from
+    /// which its opening and slip count from then on; says whether it has a joint of that name. Has
+    /// none by default.
+    fn renew(&mut self, _joint: &str, _renewal: Renewal, _displacement: &[Vec3]) -> bool {
         false
     }
 }

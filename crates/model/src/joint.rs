@@ -162,7 +162,8 @@ pub struct JointRecord {
     pub state: JointState,
     /// Traction on the first side (Pa): normal, positive in tension, and two tangents.
     pub traction: Vec3,
-    /// Distance of the sides along the normal (m), negative where they overlap.
+    /// Distance of the sides along the normal (m), negative where they overlap; from where the pair was
+    /// [closed anew](Self::closed_at), if it was.
     pub opening: f64,
     /// The largest opening so far (m).
     pub peak_opening: f64,
@@ -179,6 +180,27 @@ pub struct JointRecord {
     pub bond_energy: f64,
     /// Lost so far where the sides met (J).
     pub impact: f64,
+    /// Displacement of the second side relative to the first (m: along the normal, with the initial gap
+    /// if that was filled, and along two tangents) at which the pair was closed anew, as by grouting:
+    /// opening, slip, anchor and energies count from there. None if it never was.
+    pub closed_at: Option<[f64; 3]>,
+}
+
+impl JointRecord {
+    /// The relative displacement (m: normal and two tangents) that counts as none: that at which the
+    /// pair was [closed anew](Self::closed_at), else zero.
+    pub fn origin(&self) -> Vec3 {
+        self.closed_at.map_or_else(Vec3::zeros, Vec3::from)
+    }
+}
+
+/// How a joint starts anew at the displacement that it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Renewal {
+    /// Closed, initial gaps filled, every pair in the initial state of its law: grouting.
+    Grouted,
+    /// As it was built, with initial gaps, and without a bond where it had none: a tie is taken off.
+    Released,
 }
 
 /// A joint as others see it; pair by pair in the same order.

@@ -53,6 +53,7 @@ pub use error::{ModelError, ParameterError, RunError};
 pub use field::{FieldMotion, FieldSampler, IncidentField};
 pub use joint::{
     Bond, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView,
+    Renewal,
 };
 pub use lane::{Lane, Scalar, array, each};
 pub use law::{

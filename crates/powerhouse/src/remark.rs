@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use powerhouse_model::Vec3;
+use powerhouse_model::{Renewal, Vec3};
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
 use serde::Serialize;
@@ -109,6 +109,16 @@ pub enum Remark {
         joint: String,
         /// Its largest slip or opening over the shortest edge of its facets.
         share: f64,
+    },
+    /// A joint that starts anew in a stage, or when the body starts to move after a tie: its opening, slip
+    /// and energies count from there.
+    JointAnew {
+        /// The joint's name.
+        joint: String,
+        /// The stage; none when the body starts to move.
+        stage: Option<String>,
+        /// How it starts.
+        renewal: Renewal,
     },
     /// A damped part touches an absorbing face, behind which the free field is elastic.
     DampedRim {
@@ -226,7 +236,7 @@ impl Remark {
             | Self::Conversion { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
-            Self::LargeSlip { .. } => Topic::Joints,
+            Self::LargeSlip { .. } | Self::JointAnew { .. } => Topic::Joints,
             Self::NoState { .. } => Topic::Histories,
             _ => Topic::Run,
         }
@@ -258,6 +268,7 @@ impl Remark {
             | Self::Conversion { .. }
             | Self::QuietStart { .. }
             | Self::Region { .. }
+            | Self::JointAnew { .. }
             | Self::Scatterer { .. } => false,
         }
     }
@@ -377,6 +388,21 @@ impl fmt::Display for Remark {
                 f,
                 "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; mesh '{set}' with hexahedra or wedges, several across its thickness (finer tetrahedra come nearer slowly)"
             ),
+            Self::JointAnew {
+                joint,
+                stage,
+                renewal,
+            } => {
+                write!(f, "opening, slip and energies of joint '{joint}' count from ")?;
+                match stage {
+                    Some(stage) => write!(f, "where it stood before the stage '{stage}'")?,
+                    None => write!(f, "where it stood when the body started to move")?,
+                }
+                match renewal {
+                    Renewal::Grouted => write!(f, ": there it was grouted"),
+                    Renewal::Released => write!(f, ": there its tie was taken off"),
+                }
+            }
             Self::NonlinearRim { set, law } => write!(
                 f,
                 "part '{set}' of the law '{law}' touches an absorbing face: the free field is elastic, so what yields there reflects its waves; give the part a rim"

@@ -11,7 +11,8 @@ pub(super) struct PairStep {
     pub(super) area: f64,
     /// Traction that acts without the joint's forces (Pa).
     pub(super) preload: Vec3,
-    /// Displacement of the second side relative to the first at the start (m), gap included.
+    /// Displacement of the second side relative to the first at the start (m), gap included, from
+    /// the pair's origin.
     pub(super) offset: Vec3,
     /// Relative velocity before and after (m/s).
     pub(super) before: Vec3,
@@ -26,7 +27,8 @@ pub(super) struct PairStep {
 pub(super) struct Outcome {
     /// Time at the step's start (s).
     pub(super) time: f64,
-    /// Displacement of the second side relative to the first at the start (m), gap included.
+    /// Displacement of the second side relative to the first at the start (m), gap included, from
+    /// the pair's origin.
     pub(super) offset: Vec3,
     /// Traction on the first side (Pa), preload included.
     pub(super) traction: Vec3,

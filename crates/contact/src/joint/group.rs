@@ -124,6 +124,7 @@ impl Group {
             let (pair, side, record) = (&pairs[index], &sides[index], &records[index]);
             let mut offset = pair.to_local(&relative(motion.displacement, nodes));
             offset.x += side.gap;
+            offset -= side.origin;
             let hold = held_back(&offset, record) * rate;
             let wanted = pair.to_local(&relative(motion.velocity, nodes)) + hold;
             excess.fixed_rows_mut::<3>(3 * a).copy_from(&wanted);

@@ -80,6 +80,8 @@ pub(super) struct Tile {
     area: Row,
     /// Distance of the sides without displacement (m).
     gap: Row,
+    /// Relative displacement that counts as none (m).
+    origin: Rows,
     /// Traction in the static state that displacements are counted from (Pa), local.
     preload: Rows,
     /// Traction per relative velocity that it stops, `1 / (dt W A)` (Pa s/m).
@@ -106,6 +108,7 @@ impl Tile {
             frame: [[ZEROS; 3]; 3],
             area: ZEROS,
             gap: ZEROS,
+            origin: [ZEROS; 3],
             preload: [ZEROS; 3],
             stiffness: ZEROS,
             compliance: ZEROS,
@@ -133,6 +136,7 @@ impl Tile {
             }
             tile.area[k] = own.pair.area;
             tile.gap[k] = own.side.gap;
+            put(&mut tile.origin, k, &own.side.origin);
             put(&mut tile.preload, k, &own.side.preload);
             tile.compliance[k] = step * (first + second) * own.pair.area;
             tile.stiffness[k] = 1.0 / tile.compliance[k];
@@ -211,7 +215,7 @@ struct TileStep {
     /// Where a pair sticks along its tangents (m), and 1 if it does.
     anchor: [Row; 2],
     stuck: Row,
-    /// Relative displacement, gap included (m).
+    /// Relative displacement, gap included, from the pair's origin (m).
     offset: Rows,
     /// Relative velocity before the step (m/s).
     before: Rows,
@@ -300,8 +304,10 @@ impl Tile {
                 // The gap is to go, and for a pair that sticks what rounding has moved it.
                 let held = if c == 0 {
                     offset += self.gap[k];
+                    offset -= self.origin[c][k];
                     offset
                 } else {
+                    offset -= self.origin[c][k];
                     (offset - step.anchor[c - 1][k]) * step.stuck[k]
                 };
                 step.offset[c][k] = offset;

@@ -10,7 +10,7 @@ use std::collections::{HashMap, VecDeque};
 
 use powerhouse_model::{
     Bond, Constraint, ConstraintWork, ContactLaw, ContactState, JointHistory, JointPair,
-    JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion, RunError, Vec3,
+    JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion, Renewal, RunError, Vec3,
 };
 
 use crate::ContactError;
@@ -24,6 +24,9 @@ use solve::Effort;
 struct Side {
     /// Distance of the sides without displacement (m).
     gap: f64,
+    /// Relative displacement (m), local and with the gap, that counts as none: where the pair was closed
+    /// anew.
+    origin: Vec3,
     /// Traction in the static state that displacements are counted from (Pa), local.
     preload: Vec3,
 }
@@ -419,10 +422,45 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             if section.name == history.name {
                 let found = in_order_of(&self.pairs[range.clone()], history);
                 return found.is_some_and(|records| {
+                    for (side, record) in self.sides[range.clone()].iter_mut().zip(&records) {
+                        // What is prepared holds the origins of pairs.
+                        if side.origin != record.origin() {
+                            side.origin = record.origin();
+                            self.prepared = None;
+                        }
+                    }
                     self.records[range].copy_from_slice(&records);
                     true
                 });
             }
+        }
+        false
+    }
+
+    fn renew(&mut self, joint: &str, renewal: Renewal, displacement: &[Vec3]) -> bool {
+        let mut start = 0;
+        for section in &self.sections {
+            let range = core::mem::replace(&mut start, section.end)..section.end;
+            if section.name != joint {
+                continue;
+            }
+            for index in range {
+                let [first, second] = self.places[index].map(|node| displacement[node as usize]);
+                let mut closed_at = self.pairs[index].to_local(&(second - first));
+                let (side, record) = (&mut self.sides[index], &mut self.records[index]);
+                if renewal == Renewal::Grouted {
+                    closed_at.x += side.gap;
+                    *record = JointRecord {
+                        state: section.law.initial(),
+                        traction: side.preload,
+                        ..JointRecord::default()
+                    };
+                }
+                side.origin = closed_at;
+                record.closed_at = Some(closed_at.into());
+            }
+            self.prepared = None;
+            return true;
         }
         false
     }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    ElementBlock, HistoryField, JointHistory, JointView, ModelError, NodalView, Quad, State,
-    Stress, Vec3,
+    ElementBlock, HistoryField, JointHistory, JointView, ModelError, NodalView, Quad, Renewal,
+    State, Stress, Vec3,
 };
 
 use super::Model;
@@ -305,6 +305,20 @@ impl Model {
             block.set_history(&fields);
         }
         Ok(())
+    }
+
+    /// Starts a joint anew at the present displacement, from which its opening and slip count from then
+    /// on; says whether the model has a joint of that name.
+    pub fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool {
+        let mut constraints = core::mem::take(&mut self.constraints);
+        let found = constraints.iter_mut().any(|bound| {
+            let nodes = bound.nodes().iter();
+            let displacement: Vec<Vec3> =
+                nodes.map(|&node| self.displacement_of(node as usize)).collect();
+            bound.constraint.renew(joint, renewal, &displacement)
+        });
+        self.constraints = constraints;
+        found
     }
 
     /// The embedded block of a label.

@@ -1,6 +1,6 @@
 //! Stages one after another.
 
-use powerhouse_model::{Mesh, ModelError, State};
+use powerhouse_model::{Mesh, ModelError, Renewal, State};
 use thiserror::Error;
 
 use crate::{Model, ModelBuilder, StaticError, StaticOptions, StaticProgress, StaticReport};
@@ -18,7 +18,7 @@ pub struct Stage<'a> {
     name: String,
     excavated: Vec<u32>,
     cast: Vec<u32>,
-    renewed: Vec<String>,
+    renewed: Vec<(String, Renewal)>,
     options: StaticOptions,
     build: Box<StageModel<'a>>,
 }
@@ -52,11 +52,16 @@ impl<'a> Stage<'a> {
         self.cast.extend_from_slice(elements);
         self
     }
-    /// The same with joints (by name) that forget what has become of them first: those that the
-    /// stage has start as their laws do, as after grouting, those that it ties or lacks are gone.
+    /// The same with joints (by name) that start anew at the displacement that the body has: grouted, or
+    /// released from a tie. What has become of them before is dropped; opening and slip count from here.
+    /// Joints that the stage lacks start anew when a later one has them.
     #[must_use]
-    pub fn renew_joints<N: Into<String>>(mut self, joints: impl IntoIterator<Item = N>) -> Self {
-        self.renewed.extend(joints.into_iter().map(Into::into));
+    pub fn renew_joints<N: Into<String>>(
+        mut self,
+        joints: impl IntoIterator<Item = (N, Renewal)>,
+    ) -> Self {
+        let named = joints.into_iter().map(|(name, how)| (name.into(), how));
+        self.renewed.extend(named);
         self
     }
     /// The same with other options of the static solution.
@@ -100,13 +105,18 @@ impl<'a> Stage<'a> {
         if !self.cast.is_empty() {
             state.cast(&self.cast);
         }
-        (state.joints).retain(|joint| !self.renewed.contains(&joint.name));
+        let renewed = |name: &String| self.renewed.iter().any(|(renewed, _)| renewed == name);
+        (state.joints).retain(|joint| !renewed(&joint.name));
         let built = (self.build)(Model::builder(mesh).start(state));
         let built = built.and_then(ModelBuilder::build);
-        built.map_err(|source| StageError::Model {
+        let mut model = built.map_err(|source| StageError::Model {
             stage: self.name.clone(),
             source,
-        })
+        })?;
+        for (joint, renewal) in &self.renewed {
+            model.renew_joint(joint, *renewal);
+        }
+        Ok(model)
     }
 }
 

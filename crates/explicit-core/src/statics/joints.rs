@@ -195,7 +195,7 @@ impl Model {
                 if record.state.contact == ContactState::Slide {
                     record.state.contact = ContactState::Stick;
                     let [first, second] = pair.nodes.map(|node| u[self.engine(node)]);
-                    let offset = pair.to_local(&(second - first));
+                    let offset = pair.to_local(&(second - first)) - record.origin();
                     record.anchor = Some([offset.y, offset.z]);
                 }
             }

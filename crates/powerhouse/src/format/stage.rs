@@ -144,11 +144,13 @@ pub struct Stage {
     #[serde(default)]
     pub bolts: Vec<At<String>>,
     /// Joints that are closed in this stage, by name: their sides are one body whatever their law
-    /// admits. A joint starts anew in the next stage that does not name it.
+    /// admits. In the next stage that does not name it, or when the body moves, a joint starts anew from
+    /// where it stands: as it was given, or as after grouting if an earlier stage grouted it.
     #[serde(default)]
     pub tied: Vec<At<String>>,
-    /// Joints that start anew, by name, closed and with the bond of their law everywhere, as after
-    /// grouting.
+    /// Joints that are grouted, by name: whatever gap they have is filled and where they slid they stay;
+    /// they start anew from there, closed and with the bond of their law everywhere. Opening, slip and
+    /// energies count from there.
     #[serde(default)]
     pub bonded: Vec<At<String>>,
     /// Parts that have another material than their own, until a stage casts them or says otherwise, or

@@ -131,7 +131,6 @@ impl SceneJoint {
         }
         let (start, law) = match closing {
             Closing::Own => (self.start(mesh, &surface)?, self.law.clone()),
-            Closing::Bonded => (Start::default(), self.law.clone()),
             Closing::Tied => (Start::default(), Arc::new(Tied) as Arc<dyn ContactLaw>),
         };
         let joint = start.joint(mesh, (&self.name, &surface), law)?;
@@ -155,13 +154,11 @@ impl SceneJoint {
     }
 }
 
-/// How a joint is closed while a body comes to rest, or moves.
+/// What holds a joint while a body comes to rest, or moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Closing {
-    /// As it is given.
+    /// Its own law.
     Own,
-    /// Without gap, with the bond of its law everywhere.
-    Bonded,
     /// Held whatever its law admits.
     Tied,
 }

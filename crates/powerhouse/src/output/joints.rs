@@ -14,7 +14,8 @@ use powerhouse_model::{Bond, ContactState, JointPair, JointRecord, Mesh, Vec3};
 /// (0 sticks, 1 slides, 2 open), `over the run` (0 held, 1 slid, 2 opened, 3 both) and `bond` (0 never,
 /// 1 intact, 2 broken), normal and shear traction,
 /// opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
-/// energies of friction, bond and impact per area. Tips, where both sides are one, have zeros. Facets of
+/// energies of friction, bond and impact per area; where a stage closed the joint anew, `opening counted
+/// from` too, the distance of the sides then. Tips, where both sides are one, have zeros. Facets of
 /// which a side is not there, beside an excavated room or a lining that is not cast yet, are left out.
 pub(super) struct JointFacets {
     pub(super) writer: VtuWriter,
@@ -66,11 +67,13 @@ impl JointFacets {
 
     /// What has become of its pairs.
     pub(super) fn fields(&self, pairs: &[JointPair], records: &[JointRecord]) -> JointFields {
+        let anew = records.iter().any(|record| record.closed_at.is_some());
         let of_field = |(name, value): &(&'static str, Value)| {
             let values = self.spread(|pair| value(&pairs[pair], &records[pair]));
             (*name, values)
         };
-        FIELDS.iter().map(of_field).collect()
+        let fields = FIELDS.iter().chain(anew.then_some(&CLOSED_AT));
+        fields.map(of_field).collect()
     }
 
     /// Pictures of its pairs: what each shows, its unit, its numbers and the names of these if they
@@ -207,7 +210,7 @@ fn unit_of(name: &str) -> &'static str {
         _ if name.starts_with("time") => "s",
         _ if name.ends_with("traction") => "Pa",
         _ if name.ends_with("energy") => "J/m2",
-        "opening" | "peak opening" | "slip" => "m",
+        "opening" | "peak opening" | "opening counted from" | "slip" => "m",
         _ => "",
     }
 }
@@ -231,6 +234,9 @@ pub(super) const PICTURES: [(&str, &str, &[&str]); 5] = [
     ("slip", "m", &[]),
     ("peak opening", "m", &[]),
 ];
+
+/// Where a stage closed a joint anew: the distance of the sides then, from which opening counts.
+const CLOSED_AT: (&str, Value) = ("opening counted from", |_, record| record.origin().x);
 
 type Value = fn(&JointPair, &JointRecord) -> f64;
 

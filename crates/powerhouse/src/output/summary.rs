@@ -143,6 +143,9 @@ struct Joint {
     never_bonded: f64,
     /// Share of the area
     broken: f64,
+    /// Whence slip, opening and energies count, if not from the body without displacement
+    #[serde(skip_serializing_if = "Option::is_none")]
+    counted_from: Option<&'static str>,
     /// m
     slip: f64,
     slip_node: u64,
@@ -309,6 +312,10 @@ impl Joint {
             opened: outcome.opened,
             never_bonded: outcome.never_bonded,
             broken: outcome.broken,
+            counted_from: (whole.iter())
+                .flat_map(|joint| &joint.records)
+                .any(|record| record.closed_at.is_some())
+                .then_some("where a stage closed the joint anew, see the remarks"),
             slip: outcome.slip.0,
             slip_node: node(outcome.slip.1),
             peak_opening: outcome.peak_opening.0,

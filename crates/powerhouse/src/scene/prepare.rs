@@ -12,7 +12,7 @@ use powerhouse_model::{
 use super::{InitialMotion, Piece, Places, ResidualLimit, Scene, TimeStep};
 use crate::joint::{Closing, NamedSurface};
 use crate::output::{Recordings, Remembered};
-use crate::stage::{Staging, Timeline};
+use crate::stage::{Staging, Timeline, last_renewal};
 use crate::{Error, Remark, Simulation};
 
 /// A model that is all but built, and the sides of its joints by name.
@@ -55,6 +55,14 @@ impl Scene {
         let rims = self.rims()?;
         let (pieces, mut remarks) = self.pieces(&rims)?;
         let timeline = Timeline::of(&self)?;
+        remarks.extend(self.joints.iter().filter_map(|joint| {
+            let (stage, renewal) = last_renewal(&self.stages, &joint.name)?;
+            Some(Remark::JointAnew {
+                joint: joint.name.clone(),
+                stage: stage.map(str::to_owned),
+                renewal,
+            })
+        }));
         let remembered = Remembered::of(&self, &rims)?;
         let mut observed = Recordings::observe(
             &self.output,

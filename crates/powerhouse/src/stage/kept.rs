@@ -16,7 +16,7 @@ use super::BodyAtRest;
 use crate::Error;
 
 /// What a file begins with; the number goes up with every change of what follows.
-const HEAD: &[u8] = b"powerhouse body at rest 1\n";
+const HEAD: &[u8] = b"powerhouse body at rest 2\n";
 
 impl BodyAtRest {
     /// Writes the body as a file, whole or not at all.
@@ -227,6 +227,7 @@ kept_fields!(JointRecord {
     friction,
     bond_energy,
     impact,
+    closed_at,
 });
 kept_fields!(JointHistory {
     name,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use powerhouse_explicit_core::{StaticOptions, Support};
-use powerhouse_model::{NodalLoad, TimeFunction, Vec3};
+use powerhouse_model::{NodalLoad, Renewal, TimeFunction, Vec3};
 
 use crate::Material;
 use crate::acting::{Lasting, SharedFunction};
@@ -125,14 +125,16 @@ impl SceneStage {
         self
     }
     /// Closes a joint, by name, in this stage alone: its sides are one body whatever its law admits.
-    /// It starts anew in the next stage that does not.
+    /// In the next stage that does not, or when the body moves, it starts anew from where it stands then:
+    /// as it was given, its gap included, or as after grouting if an earlier stage grouted it.
     #[must_use]
     pub fn tie(mut self, joint: impl Into<String>) -> Self {
         self.tied.push(joint.into());
         self
     }
-    /// Lets a joint, by name, start anew, closed and with the bond that its law gives it everywhere, as
-    /// after grouting.
+    /// Grouts a joint, by name, before the stage comes to rest: whatever gap it has is filled and where it
+    /// slid it stays; it starts anew from there, closed and with the bond that its law gives it
+    /// everywhere. Its opening, slip and energies count from there.
     #[must_use]
     pub fn bond(mut self, joint: impl Into<String>) -> Self {
         self.bonded.push(joint.into());
@@ -140,14 +142,14 @@ impl SceneStage {
     }
     /// How it closes a joint.
     pub(crate) fn closing(&self, joint: &str) -> Closing {
-        let names = |joints: &[String]| joints.iter().any(|name| name == joint);
-        if names(&self.tied) {
-            Closing::Tied
-        } else if names(&self.bonded) {
-            Closing::Bonded
-        } else {
-            Closing::Own
+        match self.ties(joint) {
+            true => Closing::Tied,
+            false => Closing::Own,
         }
+    }
+    /// Whether it ties a joint.
+    fn ties(&self, joint: &str) -> bool {
+        self.tied.iter().any(|name| name == joint)
     }
     /// Sets how the body is brought to rest: gate, increments, and the share of what is out of
     /// balance that comes.
@@ -156,4 +158,32 @@ impl SceneStage {
         self.options = options;
         self
     }
+}
+
+/// The last time that a joint of a scene starts anew: the name of the stage, none when the body starts to
+/// move, and how.
+pub(crate) fn last_renewal<'s>(
+    stages: &'s [SceneStage],
+    joint: &str,
+) -> Option<(Option<&'s str>, Renewal)> {
+    let places = (0..=stages.len()).rev();
+    let mut found = places.filter_map(|place| Some((place, renewal(stages, place, joint)?)));
+    let (place, how) = found.next()?;
+    Some((stages.get(place).map(SceneStage::name), how))
+}
+
+/// How a joint starts anew, if it does, in the stage of a place, or when the body moves after all of
+/// them.
+pub(crate) fn renewal(stages: &[SceneStage], place: usize, joint: &str) -> Option<Renewal> {
+    let (before, stage) = (&stages[..place], stages.get(place));
+    let grouts = |stage: &SceneStage| stage.bonded.iter().any(|name| name == joint);
+    let was_tied = before.last().is_some_and(|stage| stage.ties(joint));
+    let is_tied = stage.is_some_and(|stage| stage.ties(joint));
+    if stage.is_some_and(grouts) || (is_tied && !was_tied) {
+        return Some(Renewal::Grouted);
+    }
+    (was_tied && !is_tied).then(|| match before.iter().any(grouts) {
+        true => Renewal::Grouted,
+        false => Renewal::Released,
+    })
 }

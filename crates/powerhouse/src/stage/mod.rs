@@ -14,6 +14,7 @@ pub use bolts::{BoltPlace, SceneBolts};
 pub use error::StagingError;
 pub use in_situ::{InSituError, InSituStress};
 pub use list::SceneStage;
+pub(crate) use list::last_renewal;
 pub use overview::StageOverview;
 pub use rest::{BodyAtRest, StageAtRest, StageSink};
 pub(crate) use rest::{Rested, Staging};

@@ -10,6 +10,7 @@ use powerhouse_explicit_core::{
 use powerhouse_model::{HistoryVariable, Mesh, ModelError, State, Stress};
 
 use super::Timeline;
+use super::list::renewal;
 use crate::scene::Piece;
 use crate::{BoltForces, Error, Scene};
 
@@ -175,7 +176,7 @@ impl Staging {
         let engine = Stage::new(&stage.name, body)
             .excavate(&moment.excavated)
             .cast(&moment.cast)
-            .renew_joints(&moment.renewed)
+            .renew_joints(moment.renewed.iter().cloned())
             .options(stage.options);
         let mut stress = Vec::new();
         let mut watch = |event: StageEvent| match event {
@@ -238,12 +239,17 @@ impl Staging {
     fn hand_over(&self, mut state: State) -> Result<(Model, HandOverReport), Error> {
         let scene = &self.scene;
         state.time = scene.start;
-        if let Some(last) = scene.stages.last() {
-            (state.joints).retain(|joint| !last.tied.contains(&joint.name));
-        }
+        let stages = &scene.stages;
+        let anew = |name: &str| renewal(stages, stages.len(), name);
+        (state.joints).retain(|joint| anew(&joint.name).is_none());
         let builder = Model::builder(&scene.mesh).start(state);
         let found = scene.moving(builder, &self.pieces, Some(&self.timeline), &mut Vec::new())?;
         let mut model = found.builder.build()?;
+        for joint in &scene.joints {
+            if let Some(renewal) = anew(&joint.name) {
+                model.renew_joint(&joint.name, renewal);
+            }
+        }
         let report = model
             .hand_over(SAME)
             .map_err(|source| Error::HandOver { source })?;

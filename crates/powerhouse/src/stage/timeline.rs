@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use powerhouse_explicit_core::BoltSet;
-use powerhouse_model::{Mesh, State};
+use powerhouse_model::{Mesh, Renewal, State};
 
+use super::list::renewal;
 use super::{SceneStage, StagingError};
 use crate::scene::InitialMotion;
 use crate::{Error, Material, Scene};
@@ -21,8 +22,8 @@ pub(crate) struct Moment {
     pub(crate) materials: BTreeMap<usize, Material>,
     /// Bolts that are installed.
     pub(crate) bolts: Vec<BoltSet>,
-    /// Joints that start anew.
-    pub(crate) renewed: Vec<String>,
+    /// Joints that start anew, and how.
+    pub(crate) renewed: Vec<(String, Renewal)>,
 }
 
 /// The stages of a scene, one after the other.
@@ -240,20 +241,15 @@ impl Found<'_> {
                 return Err(StagingError::NoSuchJoint { name }.into());
             }
         }
-        let before: &[String] = match place {
-            0 => &[],
-            _ => &stages[place - 1].tied,
-        };
-        let changes = |name: &String| before.contains(name) != stage.tied.contains(name);
         let names = scene.joints.iter().map(|joint| &joint.name);
-        let renewed = names.filter(|name| changes(name) || stage.bonded.contains(name));
+        let renewed = names.filter_map(|name| Some((name.clone(), renewal(stages, place, name)?)));
         Ok(Moment {
             excavated,
             cast,
             present: self.present.clone(),
             materials: self.materials.clone(),
             bolts,
-            renewed: renewed.cloned().collect(),
+            renewed: renewed.collect(),
         })
     }
 

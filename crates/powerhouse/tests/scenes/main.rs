@@ -1,6 +1,7 @@
 //! Scenes from files and from Rust: what they accept, and what runs of them give.
 
 mod damping;
+mod grouting;
 mod joint_output;
 mod joint_starts;
 mod joints;
