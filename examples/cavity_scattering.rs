@@ -22,7 +22,7 @@
 //! part of them. After a pulse they come back late; under a harmonic wave that never ends they are
 //! there all the time, so that its amplitudes err by more than those of the pulse.
 //!
-//! Dashpots have B = 1 here: with the default, B = 1.1, they return 4.8 % of every body wave, which
+//! Dashpots have B = 1, the default: with the paper's B = 1.1 they return 4.8 % of every body wave, which
 //! this comparison shows.
 //!
 //! Run: `cargo run --release --example cavity_scattering`; it draws `results/cavity_scattering`.

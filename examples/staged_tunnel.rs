@@ -311,6 +311,7 @@ impl Site {
             surface: 20.0,
             at_surface: Stress::default(),
             gradient: Stress([-0.6 * weight, -0.6 * weight, -weight, 0.0, 0.0, 0.0]),
+            ends: true,
         }
         .of_elements(&self.mesh);
         Ok(run_stages(&self.mesh, first, &stages, &mut tell)?.0)

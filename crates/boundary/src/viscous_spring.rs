@@ -22,6 +22,14 @@ pub struct AxisParameters {
 }
 
 impl AxisParameters {
+    /// A = 0.8, B = 1.1, as Wang, Chen & Xiao (2019) advise; the distance from the geometry. Such
+    /// dashpots return 4.8 % of all that arrives straight on.
+    pub const PAPER: Self = Self {
+        amplitude_ratio: 0.8,
+        speed_ratio: 1.1,
+        distance: None,
+    };
+
     /// Parameters from A, B and a distance (m).
     ///
     /// # Errors
@@ -51,12 +59,11 @@ impl AxisParameters {
 }
 
 impl Default for AxisParameters {
-    /// A = 0.8, B = 1.1, as Wang, Chen & Xiao (2019) advise; the distance from the geometry.
+    /// A = 0.8, B = 1: dashpots with the impedance of plane waves; the distance from the geometry.
     fn default() -> Self {
         Self {
-            amplitude_ratio: 0.8,
-            speed_ratio: 1.1,
-            distance: None,
+            speed_ratio: 1.0,
+            ..Self::PAPER
         }
     }
 }
@@ -90,6 +97,14 @@ pub struct ViscousSpring {
 const LEAST_RELATIVE_DISTANCE: f64 = 1.0e-3;
 
 impl ViscousSpring {
+    /// With the [parameters](AxisParameters::PAPER) that Wang, Chen & Xiao (2019) advise on all faces.
+    pub fn paper() -> Self {
+        Self {
+            axes: [AxisParameters::PAPER; 3],
+            ..Self::default()
+        }
+    }
+
     fn share_coefficients(
         &self,
         site: &BoundarySite,
@@ -132,6 +147,9 @@ fn extent(site: &BoundarySite) -> f64 {
 impl AbsorbingBoundary for ViscousSpring {
     fn name(&self) -> &str {
         "viscous-spring"
+    }
+    fn as_any(&self) -> Option<&dyn core::any::Any> {
+        Some(self)
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         for axis in &self.axes {

@@ -72,7 +72,7 @@ fn build(boundary: &impl AbsorbingBoundary, site: &BoundarySite) -> Vec<NodalImp
 /// of the face's plane from the scatterer.
 #[test]
 fn faces_have_the_springs_and_dashpots_of_the_paper() {
-    let impedance = build(&ViscousSpring::default(), &corner_site());
+    let impedance = build(&ViscousSpring::paper(), &corner_site());
     let (m, area) = (rock(), 4.0);
     let dashpot_normal = 1.1 * m.density * m.p_speed() * area;
     let dashpot_tangent = 1.1 * m.density * m.s_speed() * area;
@@ -85,6 +85,19 @@ fn faces_have_the_springs_and_dashpots_of_the_paper() {
         assert!(close(&impedance[node].dashpot, &dashpot));
     }
     assert_eq!(impedance[2].node, 11);
+}
+
+/// By default springs are those of the paper, and dashpots have the impedance of plane waves.
+#[test]
+fn dashpots_have_the_impedance_of_plane_waves_by_default() {
+    let (default, paper) = (ViscousSpring::default(), ViscousSpring::paper());
+    let (default, paper) = (build(&default, &corner_site()), build(&paper, &corner_site()));
+    let viscous = build(&Viscous::default(), &corner_site());
+    for (own, (paper, viscous)) in default.iter().zip(paper.iter().zip(&viscous)) {
+        assert_eq!(own.spring, paper.spring);
+        assert!(close(&own.dashpot, &viscous.dashpot));
+        assert!(close(&paper.dashpot, &(1.1 * viscous.dashpot)));
+    }
 }
 
 /// Dashpots alone have the impedance of each wave and no springs.

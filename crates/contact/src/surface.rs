@@ -113,7 +113,7 @@ impl JointSurface {
         for (&nodes, corners) in &patches {
             for (patch, (vector, area)) in corners.sums() {
                 pair_of.insert((nodes, patch), surface.pairs.len() as u32);
-                surface.pairs.push(JointPair::new(nodes, vector, area));
+                surface.pairs.push(JointPair::of_facets(nodes, vector, area));
             }
             let [a, b] = nodes.map(|node| mesh.positions()[node as usize]);
             let gap = (b - a).norm();
@@ -164,8 +164,9 @@ impl JointSurface {
                 match found.max_by(|a, b| along(a).total_cmp(&along(b))).copied() {
                     Some(place) => {
                         let (one, of) = &mut kept[place];
-                        let normal = one.normal * one.area + pair.normal * pair.area;
-                        *one = JointPair::new(nodes, normal, one.area + pair.area);
+                        let vector = |pair: &JointPair| pair.normal * pair.projected_area;
+                        let (sum, area) = (vector(one) + vector(pair), one.area + pair.area);
+                        *one = JointPair::of_facets(nodes, sum, area);
                         of.push(pair.nodes);
                         place
                     }

@@ -219,3 +219,36 @@ fn pairs_that_move_as_one_are_one() {
         }
     }
 }
+
+/// On a joint of facets at an angle to each other normals times projected areas add up to the vector areas
+/// of the facets, so that a uniform pressure is in balance, and areas to their areas.
+#[test]
+fn projected_areas_add_up_to_the_vector_area() {
+    for (rise, direction) in [(0.3, 0), (0.15, 1), (0.0, 0)] {
+        let counts = [4, 4, 2];
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(4.0, 4.0, 2.0), counts, "rock");
+        let vaulted = |p: Vec3| {
+            let place = p[direction];
+            p + Vec3::z() * (rise * place * (4.0 - place) * p.z * (2.0 - p.z))
+        };
+        let mesh = mesh.unwrap().map_positions(vaulted).unwrap();
+        let low: Vec<u32> = (0..16).collect();
+        let high: Vec<u32> = (16..32).collect();
+        let split = mesh.split_between(&low, &high).unwrap();
+        let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options());
+        let surface = surface.unwrap();
+        let facets = split.first.iter().map(|&facet| split.mesh.facet_geometry(facet));
+        let (mut sum, mut area) = (Vec3::zeros(), 0.0);
+        for facet in facets {
+            sum += facet.vector_area;
+            area += facet.vector_area.norm();
+        }
+        let pairs = surface.pairs.iter();
+        let found: Vec3 = pairs.map(|pair| pair.normal * pair.projected_area).sum();
+        assert!((found - sum).norm() < 1e-12 * area, "{found} {sum}");
+        assert!((surface.area() - area).abs() < 1e-12 * area);
+        let least = surface.pairs.iter().map(|pair| pair.projected_area / pair.area);
+        let least = least.fold(f64::INFINITY, f64::min);
+        assert_eq!(least < 1.0, rise > 0.0, "{least}");
+    }
+}

@@ -184,11 +184,18 @@ pub trait AbsorbingBoundary: Send + Sync {
     /// # Errors
     /// If the site has something the boundary cannot serve, such as a zero distance.
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError>;
+    /// The boundary as its own type, for predictions that know it; none by default.
+    fn as_any(&self) -> Option<&dyn core::any::Any> {
+        None
+    }
 }
 
 impl<B: AbsorbingBoundary + ?Sized> AbsorbingBoundary for Box<B> {
     fn name(&self) -> &str {
         (**self).name()
+    }
+    fn as_any(&self) -> Option<&dyn core::any::Any> {
+        (**self).as_any()
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         (**self).build(site)
@@ -198,6 +205,9 @@ impl<B: AbsorbingBoundary + ?Sized> AbsorbingBoundary for Box<B> {
 impl<B: AbsorbingBoundary + ?Sized> AbsorbingBoundary for Arc<B> {
     fn name(&self) -> &str {
         (**self).name()
+    }
+    fn as_any(&self) -> Option<&dyn core::any::Any> {
+        (**self).as_any()
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         (**self).build(site)

@@ -78,6 +78,11 @@ pub trait ContactLaw: Send + Sync {
     /// The shear traction (Pa, not negative) of a pair that slides under a normal traction (Pa,
     /// positive in tension).
     fn sliding_strength(&self, normal: f64, state: &JointState) -> f64;
+    /// The greatest normal traction (Pa) of a pair in this state that no bond holds together; none by
+    /// default.
+    fn unbonded_tension(&self, _state: &JointState) -> f64 {
+        0.0
+    }
 }
 
 /// A law behind a pointer is the law: every question goes on, that for many pairs as one call.
@@ -101,6 +106,9 @@ macro_rules! law_behind {
                 fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
                     (**self).sliding_strength(normal, state)
                 }
+                fn unbonded_tension(&self, state: &JointState) -> f64 {
+                    (**self).unbonded_tension(state)
+                }
             }
         )+
     };
@@ -119,6 +127,11 @@ pub struct JointPair {
     pub tangent: Vec3,
     /// Area of the joint that belongs to the pair (m2).
     pub area: f64,
+    /// Of it what is seen along the normal (m2): less than the area where the facets at the pair are at an
+    /// angle to each other. Tractions are forces over it, so that a uniform pressure on such facets reads as
+    /// itself, and strengths see it so; a shear along the edge between them reads too large by the
+    /// ratio of the areas.
+    pub projected_area: f64,
 }
 
 impl JointPair {
@@ -132,6 +145,19 @@ impl JointPair {
             normal,
             tangent,
             area,
+            projected_area: area,
+        }
+    }
+    /// The pair of facets whose vector areas (m2, along their outward normals) add up to a sum, and whose
+    /// areas to an area: its normal is the direction of that sum.
+    pub fn of_facets(nodes: [u32; 2], vector_area: Vec3, area: f64) -> Self {
+        /// What rounding may take from the sum of facets in one plane.
+        const ROUNDING: f64 = 1e-9;
+        let seen = vector_area.norm();
+        let plane = seen >= area * (1.0 - ROUNDING);
+        Self {
+            projected_area: if plane { area } else { seen },
+            ..Self::new(nodes, vector_area, area)
         }
     }
     /// Components along normal, first and second tangent.

@@ -46,6 +46,45 @@ pub enum Remark {
         /// The waves that needed it, and what each would have needed alone.
         waves: Vec<(String, QuietStart)>,
     },
+    /// The records of prescribed motions were delayed alike, so that the body may start at rest.
+    QuietMotion {
+        /// By how much they come later (s).
+        padding: f64,
+        /// The records that needed it, and what their motion would have been at the start of the run
+        /// over its peak: the larger share of displacement and velocity.
+        records: Vec<(String, f64)>,
+        /// By how much the waves of the scene come later (s), if it has some.
+        waves: Option<f64>,
+    },
+    /// A record of the x or y of a wave whose azimuth turns them away from those of the mesh.
+    TurnedAxis {
+        /// The record's name in the scene.
+        record: String,
+        /// What the scene says that it is.
+        convention: &'static str,
+        /// The name of the same that says so.
+        clear: &'static str,
+        /// The wave's azimuth (degrees).
+        azimuth: f64,
+    },
+    /// The in-situ stress of ground in a body that reaches above its level: there it is none.
+    AboveGround {
+        /// The level of the ground (m).
+        level: f64,
+        /// The height of the body (m).
+        top: f64,
+    },
+    /// The run ends before most of a record has come.
+    CutShort {
+        /// Its name in the scene.
+        name: String,
+        /// The share of its Arias intensity that comes before the end.
+        share: f64,
+        /// When the run ends (s).
+        run: f64,
+        /// When the record ends (s), without what a filter put behind it.
+        record: f64,
+    },
     /// A side of the mesh, its top aside, that neither absorbs nor is held: waves are reflected
     /// there.
     OpenSide {
@@ -251,12 +290,16 @@ impl Remark {
     /// Whether it is a doubt about the result, not only a fact.
     pub fn is_warning(&self) -> bool {
         match self {
+            Self::QuietMotion { padding, waves: Some(waves), .. } => padding != waves,
             Self::DampedRim { .. }
             | Self::LargeSlip { .. }
             | Self::TetrahedralSection { .. }
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }
+            | Self::CutShort { .. }
+            | Self::TurnedAxis { .. }
+            | Self::AboveGround { .. }
             | Self::EmptySet { .. }
             | Self::NoState { .. }
             | Self::RecordFile { .. }
@@ -269,6 +312,7 @@ impl Remark {
             | Self::QuietStart { .. }
             | Self::Region { .. }
             | Self::JointAnew { .. }
+            | Self::QuietMotion { waves: None, .. }
             | Self::Scatterer { .. } => false,
         }
     }
@@ -300,6 +344,10 @@ impl fmt::Display for Remark {
                         baseline.before.end_velocity,
                         baseline.before.end_displacement
                     )?;
+                    if baseline.leading_pad > 0.0 {
+                        let pad = baseline.leading_pad;
+                        write!(f, " and begins {pad:.3} s before its own start with what the filter put there")?;
+                    }
                 }
                 Ok(())
             }
@@ -339,6 +387,45 @@ impl fmt::Display for Remark {
                 }
                 Ok(())
             }
+            Self::QuietMotion {
+                padding,
+                records,
+                waves,
+            } => {
+                write!(f, "prescribed motions come {padding:.3} s later so that the body may start at rest, the duration stays")?;
+                for (name, level) in records {
+                    write!(f, "; what the filter put before record '{name}' has {level:.1e} of its peak at its own start")?;
+                }
+                match waves {
+                    Some(waves) if waves != padding => {
+                        write!(f, "; the waves come {waves:.3} s later: the two no longer fit together")
+                    }
+                    _ => Ok(()),
+                }
+            }
+            Self::TurnedAxis {
+                record,
+                convention,
+                clear,
+                azimuth,
+            } => write!(
+                f,
+                "record '{record}' is '{convention}' of a wave of azimuth {azimuth}: that is its direction of travel or the one across, not an axis of the mesh; '{clear}' says the same without this warning"
+            ),
+            Self::AboveGround { level, top } => write!(
+                f,
+                "the in-situ stress of the ground is zero above its level of {level} m, and the body reaches up to {top} m"
+            ),
+            Self::CutShort {
+                name,
+                share,
+                run,
+                record,
+            } => write!(
+                f,
+                "the run ends at {run:.3} s, before record '{name}' at {record:.3} s: {:.1} % of its Arias intensity come before",
+                100.0 * share
+            ),
             Self::OpenSide { side, area } => write!(
                 f,
                 "{area:.4} m2 on the {side} of the mesh neither absorb nor are held: waves are reflected there"

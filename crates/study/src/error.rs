@@ -137,11 +137,20 @@ pub enum StudyError {
     /// A scene without absorbing faces.
     #[error("the scene has no absorbing boundary")]
     NoBoundary,
+    /// Absorbing faces at the bottom or the top alone.
+    #[error(
+        "the absorbing faces {} stand below or above alone: the error is predicted by an opening between absorbing sides, which this scene does not have",
+        .faces.iter().map(|face| format!("'{face}'")).collect::<Vec<_>>().join(", ")
+    )]
+    NoSides {
+        /// Their names.
+        faces: Vec<String>,
+    },
     /// Absorbing faces before several media.
-    #[error("the absorbing faces stand before {count} different media")]
+    #[error("the absorbing faces stand before several media: {media}; a prediction knows ground of one")]
     SeveralMedia {
-        /// How many.
-        count: usize,
+        /// The parts with the faces before them.
+        media: String,
     },
     /// A field of which nobody says what waves it is made of.
     #[error("the scene's field is not known to be a sum of plane waves")]

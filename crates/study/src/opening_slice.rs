@@ -103,7 +103,10 @@ impl OpeningSlice {
             ("coarse", self.coarse[1], self.fine, most),
             ("growth", self.growth, 1.0, 1.5),
         ];
+        /// What rounding may take from a sum of lengths.
+        const ROUNDING: f64 = 1e-12;
         for (name, value, least, most) in ranges {
+            let least = least * (1.0 - ROUNDING);
             ParameterError::check(name, value, least, most).map_err(powerhouse::Error::from)?;
         }
         Ok(())

@@ -7,7 +7,7 @@ pub(super) struct PairStep {
     /// Time at its start and length (s).
     pub(super) time: f64,
     pub(super) length: f64,
-    /// Area of the pair (m2).
+    /// Area of the pair over which forces are tractions (m2).
     pub(super) area: f64,
     /// Traction that acts without the joint's forces (Pa).
     pub(super) preload: Vec3,

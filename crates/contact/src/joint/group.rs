@@ -129,7 +129,7 @@ impl Group {
             let wanted = pair.to_local(&relative(motion.velocity, nodes)) + hold;
             excess.fixed_rows_mut::<3>(3 * a).copy_from(&wanted);
             // Where the last step left the impulses is a good start.
-            let per_traction = pair.area * step;
+            let per_traction = pair.projected_area * step;
             let start = (record.traction - side.preload) * per_traction;
             impulses.fixed_rows_mut::<3>(3 * a).copy_from(&start);
             let law = laws.of(index);
@@ -157,7 +157,7 @@ impl Group {
             let step = PairStep {
                 time: motion.time,
                 length: step,
-                area: pair.area,
+                area: pair.projected_area,
                 preload: contact.preload,
                 offset: offsets[a].0,
                 before: before[a],

@@ -76,7 +76,7 @@ pub(super) struct Tile {
     share: Row,
     /// Normals and both tangents.
     frame: [Rows; 3],
-    /// Areas (m2).
+    /// Areas over which forces are tractions (m2).
     area: Row,
     /// Distance of the sides without displacement (m).
     gap: Row,
@@ -134,11 +134,11 @@ impl Tile {
             {
                 put(rows, k, &axis);
             }
-            tile.area[k] = own.pair.area;
+            tile.area[k] = own.pair.projected_area;
             tile.gap[k] = own.side.gap;
             put(&mut tile.origin, k, &own.side.origin);
             put(&mut tile.preload, k, &own.side.preload);
-            tile.compliance[k] = step * (first + second) * own.pair.area;
+            tile.compliance[k] = step * (first + second) * own.pair.projected_area;
             tile.stiffness[k] = 1.0 / tile.compliance[k];
         }
         tile

@@ -127,7 +127,8 @@ impl<L: ContactLaw> Joint<L> {
             }
             let unit = |v: &Vec3| (v.norm_squared() - 1.0).abs() < 1e-9;
             let square = pair.normal.dot(&pair.tangent).abs() < 1e-9;
-            let sound = pair.area.is_finite() && pair.area > 0.0;
+            let sound = |area: f64| area.is_finite() && area > 0.0;
+            let sound = sound(pair.area) && sound(pair.projected_area);
             if !(sound && square && unit(&pair.normal) && unit(&pair.tangent)) {
                 let area = pair.area;
                 return Err(ContactError::Pair {

@@ -71,11 +71,16 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
         self.preload + impulse / self.per_traction
     }
 
+    /// Whether it may bear tension: by its bond, or as its law permits without one.
+    fn bears_tension(&self) -> bool {
+        self.state.bond == Bond::Intact || self.law.unbonded_tension(&self.state) > 0.0
+    }
+
     /// The state of the pair after the step, under its final traction.
     pub(super) fn outcome(&self, traction: &Vec3) -> JointState {
         let contact = if self.held {
             ContactState::Stick
-        } else if traction.x >= 0.0 && self.state.bond != Bond::Intact {
+        } else if traction.x >= 0.0 && !self.bears_tension() {
             ContactState::Open
         } else if self.slides {
             ContactState::Slide
@@ -88,9 +93,10 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
         }
     }
 
-    /// The normal impulse that is admissible nearest to a trial.
+    /// The normal impulse that is admissible nearest to a trial; of a pair that bears tension any, until
+    /// it is let go.
     fn normal(&self, trial: f64) -> f64 {
-        if self.state.bond == Bond::Intact {
+        if self.bears_tension() {
             return trial;
         }
         trial.min(-self.preload.x * self.per_traction)
@@ -158,7 +164,7 @@ pub(super) fn solve<L: ContactLaw>(
         if effort.residual > tolerance(effort.sweeps) {
             let sticks = |(a, contact): (usize, &mut Contact<L>)| {
                 let traction = contact.traction(&impulse_of(impulses, a));
-                let pressed = traction.x < 0.0 || contact.state.bond == Bond::Intact;
+                let pressed = traction.x < 0.0 || contact.bears_tension();
                 let hold = !(contact.held || contact.let_go || contact.slides) && pressed;
                 contact.held |= hold;
                 hold
@@ -190,8 +196,8 @@ fn let_go_worst<L: ContactLaw>(contacts: &mut [Contact<L>], impulses: &DVector<f
         let stays = if contact.held {
             admitted == trial && state.contact == ContactState::Stick
         } else {
-            // A bond that slides is held across; it may still crack.
-            contact.state.bond != Bond::Intact || state.contact != ContactState::Open
+            // What slides and bears tension is held across; it may still crack.
+            !contact.bears_tension() || state.contact != ContactState::Open
         };
         let over = (trial - admitted).norm() * contact.per_traction;
         if !stays && worst.is_none_or(|(_, most, _)| over > most) {

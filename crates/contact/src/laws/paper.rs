@@ -93,4 +93,10 @@ impl ContactLaw for Paper {
     fn sliding_strength(&self, normal: f64, _state: &JointState) -> f64 {
         self.0.dynamic_friction * (-normal).max(0.0)
     }
+    fn unbonded_tension(&self, state: &JointState) -> f64 {
+        match state.contact {
+            ContactState::Open => 0.0,
+            ContactState::Stick | ContactState::Slide => self.0.tensile_strength,
+        }
+    }
 }

@@ -1,6 +1,8 @@
 //! Isolated pairs: closing, sticking, what is refused.
 
-use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Frictionless, Joint, Tied};
+use powerhouse_contact::{
+    BondedCoulomb, BondedCoulombParameters, Frictionless, Joint, Paper, PaperParameters, Tied,
+};
 use powerhouse_model::{Bond, ContactLaw, ContactState, JointPair, Mat3, Vec3};
 
 use crate::{Bodies, Noise, oblique};
@@ -299,6 +301,92 @@ fn pairs_side_by_side_are_each_as_if_alone() {
             assert!(has(|r| r.first_slip.is_some()) && has(|r| r.first_crack.is_some()));
             // Some stuck again after they had slid.
             assert!(stuck_again);
+        }
+    }
+}
+
+/// The law of the paper makes the same of a pair by itself and of one that is solved with others, through
+/// slip that breaks its bond, tension below its strength that it then bears without shear, and a crack.
+#[test]
+fn the_law_of_the_paper_is_the_same_for_connected_pairs() {
+    let law = Paper::new(PaperParameters {
+        cohesion: 4.0e3,
+        tensile_strength: 2.0e3,
+        static_friction: 0.6,
+        dynamic_friction: 0.5,
+    })
+    .unwrap();
+    // Pressure, slip, release, tension below and above the strength, and pressure again (Pa).
+    let path = [
+        ([-3.0e3, 0.0], 20),
+        ([-3.0e3, 7.0e3], 30),
+        ([-3.0e3, 0.0], 30),
+        ([1.5e3, 0.3e3], 30),
+        ([1.9e3, -0.5e3], 30),
+        ([2.2e3, 0.0], 10),
+        ([-5.0e3, 1.0e3], 60),
+    ];
+    for direction in [inclined().normal, Vec3::z(), Vec3::new(-1.0, 0.2, 0.0)] {
+        let pair = JointPair::new([0, 1], direction, 0.3);
+        let go = |unequal: f64| {
+            let mut bodies = Bodies::at_rest(&[2.0, 5.0], 1e-3);
+            bodies.fixed[0] = true;
+            // Masses that differ a little between directions go the way of groups.
+            bodies.dashpot[1] = Mat3::from_diagonal(&Vec3::new(0.0, 1.0, 2.0)) * unequal;
+            let mut joint = Joint::new("face", vec![pair], law).unwrap();
+            let mut seen = Vec::new();
+            for ([normal, shear], steps) in path {
+                for _ in 0..steps {
+                    let force = pair.to_global(&Vec3::new(normal, shear, 0.5 * shear)) * pair.area;
+                    let of_body = |body| if body == 1 { force } else { Vec3::zeros() };
+                    bodies.step(&mut joint, of_body).unwrap();
+                    seen.push(joint.records()[0]);
+                }
+            }
+            assert_eq!(joint.isolated_count(), usize::from(unequal == 0.0));
+            seen
+        };
+        let (alone, group) = (go(0.0), go(1e-6));
+        let mut kinds = [false; 3];
+        for (step, (a, b)) in alone.iter().zip(&group).enumerate() {
+            let states = (a.state.contact, a.state.bond);
+            assert_eq!(states, (b.state.contact, b.state.bond), "{step}: {a:?} {b:?}");
+            assert!((a.traction - b.traction).norm() < 1.0, "{step}: {a:?} {b:?}");
+            let broken = a.state.bond == Bond::Broken;
+            kinds[0] |= broken && a.state.contact == ContactState::Slide && a.traction.x > 1.0e3;
+            kinds[1] |= a.state.contact == ContactState::Open;
+            kinds[2] |= broken && a.traction.x < 0.0;
+        }
+        assert_eq!(kinds, [true; 3]);
+    }
+}
+
+/// A uniform pressure on facets at an angle reads as itself, whether their pair is solved alone or with
+/// others, and so does the pressure at which friction holds it.
+#[test]
+fn pressure_on_facets_at_an_angle_reads_as_itself() {
+    const PRESSURE: f64 = 4.0e3;
+    for (degrees, shares) in [(36.0_f64, [0.5, 0.5]), (20.0, [0.3, 1.1]), (40.0, [2.0, 0.1])] {
+        let half = 0.5 * degrees.to_radians();
+        let normals = [-half, half].map(|angle| Vec3::new(angle.sin(), 0.1, angle.cos()).normalize());
+        let vector = normals[0] * shares[0] + normals[1] * shares[1];
+        let pair = JointPair::of_facets([0, 1], vector, shares[0] + shares[1]);
+        assert!(pair.projected_area < pair.area && (pair.projected_area - vector.norm()).abs() < 1e-15);
+        for unequal in [0.0, 1e-6] {
+            for (shear, slides) in [(0.499, false), (0.501, true)] {
+                let mut bodies = Bodies::at_rest(&[2.0, 5.0], 1e-3);
+                bodies.fixed[0] = true;
+                bodies.dashpot[1] = Mat3::from_diagonal(&Vec3::new(0.0, 1.0, 2.0)) * unequal;
+                let law = BondedCoulomb::unbonded(0.5, 0.5).unwrap();
+                let mut joint = Joint::new("vault", vec![pair], law).unwrap();
+                let along = pair.to_global(&Vec3::y());
+                let force = (along * shear * vector.norm() - vector) * PRESSURE;
+                let of_body = |body| if body == 1 { force } else { Vec3::zeros() };
+                bodies.step(&mut joint, of_body).unwrap();
+                let record = joint.records()[0];
+                assert!((record.traction.x / -PRESSURE - 1.0).abs() < 1e-6, "{record:?}");
+                assert_eq!(record.state.contact == ContactState::Slide, slides, "{record:?}");
+            }
         }
     }
 }

@@ -16,6 +16,9 @@ pub(crate) const AXIAL_FORCE: &str = "axial_force";
 const PLASTIC: &str = "plastic_elongation";
 const SLIP: &str = "grout_slip";
 const REFERENCE: &str = "installed_at";
+const GROUT: &str = "grout_force";
+/// Of each bolt, at its first segment (J).
+const SPENT: &str = "dissipated_by_bolt";
 
 /// One bolt.
 struct Bolt {
@@ -376,6 +379,18 @@ impl ElementBlock for BoltBlock {
                 pairs(states().flat_map(|s| s.slip.clone()).collect()),
             ),
             self.field(REFERENCE, 2, pairs(references.collect())),
+            self.field(
+                GROUT,
+                2,
+                pairs(states().flat_map(|s| s.grout.clone()).collect()),
+            ),
+            self.field(
+                SPENT,
+                1,
+                (states())
+                    .flat_map(|s| (0..s.force.len()).map(|k| if k == 0 { s.spent } else { 0.0 }))
+                    .collect(),
+            ),
         ]
     }
     fn set_history(&mut self, fields: &[HistoryField]) {
@@ -384,6 +399,9 @@ impl ElementBlock for BoltBlock {
         let (Some(force), Some(plastic), Some(slip), Some(reference)) =
             (one(AXIAL_FORCE), one(PLASTIC), two(SLIP), two(REFERENCE))
         else {
+            return;
+        };
+        let (Some(grout), Some(spent)) = (two(GROUT), one(SPENT)) else {
             return;
         };
         let mut start = 0;
@@ -397,6 +415,8 @@ impl ElementBlock for BoltBlock {
             bolt.committed.force.copy_from_slice(&force[start..end]);
             bolt.committed.plastic.copy_from_slice(&plastic[start..end]);
             bolt.committed.slip = pairs(slip);
+            bolt.committed.grout = pairs(grout);
+            bolt.committed.spent = spent[start];
             bolt.latest = bolt.committed.clone();
             start = end;
         }

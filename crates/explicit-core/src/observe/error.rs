@@ -75,10 +75,18 @@ pub enum ObserveError {
         z: f64,
     },
     /// A cut that meets none of its elements.
-    #[error("the plane of cut '{cut}' meets none of its elements")]
+    #[error(
+        "the plane of cut '{cut}' meets none of its elements{}",
+        match .outside {
+            true => " within its box, but some outside: those count whose centroids are in the box, a larger `reach` in a scene",
+            false => "",
+        }
+    )]
     EmptyCut {
         /// The cut.
         cut: String,
+        /// Whether it would meet some without its box.
+        outside: bool,
     },
     /// A cut in an engine that does not tell the forces of elements.
     #[error("cut '{cut}': the engine does not tell the forces of its elements")]

@@ -6,6 +6,8 @@ use powerhouse_model::{Mesh, ParameterError, Stress, Vec3};
 ///
 /// `sigma(z) = at_surface + gradient (surface - z)`
 ///
+/// above the surface, too, unless it [ends](Self::ends) there.
+///
 /// ```
 /// use powerhouse_explicit_core::StressField;
 /// use powerhouse_model::Vec3;
@@ -23,10 +25,12 @@ pub struct StressField {
     pub at_surface: Stress,
     /// Change of stress with depth (Pa/m).
     pub gradient: Stress,
+    /// Whether there is none above the surface, as of ground under its own weight.
+    pub ends: bool,
 }
 
 impl StressField {
-    /// The stress under a weight (N/m3, positive), with the shares of the vertical stress that act
+    /// The stress under a weight (N/m3, positive), none above the surface, with the shares of the vertical stress that act
     /// along x and y (K0).
     ///
     /// # Errors
@@ -46,12 +50,16 @@ impl StressField {
             surface,
             at_surface: Stress::default(),
             gradient: Stress([x, y, -unit_weight, 0.0, 0.0, 0.0]),
+            ends: true,
         })
     }
 
     /// The stress (Pa) at a point (m).
     pub fn at(&self, point: &Vec3) -> Stress {
         let depth = self.surface - point.z;
+        if self.ends && depth < 0.0 {
+            return Stress::default();
+        }
         Stress(core::array::from_fn(|i| {
             self.at_surface.0[i] + self.gradient.0[i] * depth
         }))

@@ -500,3 +500,73 @@ fn forces_of_bolts_are_kept_over_a_run() {
     let refused = refused.unwrap_err().to_string();
     assert!(refused.contains("no bolts 'walls'"), "{refused}");
 }
+
+/// A block of bolts that takes over the history of another one goes on as that would have: the same forces
+/// of bar and grout, and the same energies, held and dissipated, now and as the grout slips and the bar
+/// yields further; yielding bars without grout alike.
+#[test]
+fn bolts_go_on_from_a_history() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(4.0), [4; 3], "ground").unwrap();
+    let line = |x: f64| BoltLine {
+        head: Vec3::new(x, 0.5, 3.9),
+        toe: Vec3::new(x, 0.7, 0.3),
+    };
+    let hosts = all_elements(&mesh);
+    let numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
+    let numbering = Numbering {
+        engine_of: numbers.clone(),
+        mesh_of: numbers.clone(),
+    };
+    let steel = BoltParameters {
+        pretension: 20.0e3,
+        yield_force: 60.0e3,
+        ..BoltParameters::steel(0.025).unwrap()
+    };
+    let in_grout = |end: BoltEnd| BoltParameters {
+        grout: Some(Grout {
+            stiffness: 2.0e8,
+            strength: 3.0e4,
+            head: BoltEnd::Anchored,
+            toe: end,
+        }),
+        pretension: 0.0,
+        ..steel
+    };
+    for parameters in [steel, in_grout(BoltEnd::Free), in_grout(BoltEnd::Anchored)] {
+        let lines = [line(0.5), line(3.4)];
+        let bolts = BoltSet::new("roof", &mesh, &hosts, &lines, parameters).unwrap();
+        let moved = |size: f64| -> Vec<Quad<f64>> {
+            let at = |p: &Vec3| Vec3::new(0.0, 0.1 * p.x, p.z * p.z + p.x) * size;
+            let positions = mesh.positions().iter();
+            positions.map(|p| Quad::from_vector(&at(p))).collect()
+        };
+        let still = moved(0.0);
+        let go = |block: &mut dyn ElementBlock, size: f64| {
+            let field = moved(size);
+            let views = (NodalView::F64(&field), NodalView::F64(&still));
+            let context = BlockContext::new((0, 0.0, 1.0e-3), views.0, views.1);
+            let mut out = vec![Quad::<f64>::default(); block.nodes().len()];
+            block.forces(&context, NodalViewMut::F64(&mut out)).unwrap();
+            block.commit();
+            (out, block.energy(&context))
+        };
+        let make = || {
+            let mut block = (bolts.block())(&numbering);
+            block.set_reference_displacement(NodalView::F64(&still));
+            block
+        };
+        let (mut first, mut second) = (make(), make());
+        let before = go(first.as_mut(), 2.0e-3).1;
+        assert!(before.plastic > 1.0, "{before:?}");
+        second.set_history(&first.history());
+        let views = (NodalView::F64(&still), NodalView::F64(&still));
+        let context = BlockContext::new((0, 0.0, 1.0e-3), views.0, views.1);
+        assert_eq!(second.energy(&context), before);
+        for size in [2.5e-3, 1.0e-3, 3.0e-3] {
+            let (forces, energy) = go(first.as_mut(), size);
+            let (others, other) = go(second.as_mut(), size);
+            assert_eq!(energy, other);
+            assert!(forces.iter().zip(&others).all(|(a, b)| a.values == b.values));
+        }
+    }
+}

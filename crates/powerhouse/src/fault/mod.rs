@@ -84,10 +84,12 @@ pub enum Problem {
         count: usize,
     },
     /// Absorbing faces in front of several media, where the free field needs one.
-    #[error("the absorbing faces stand before {count} different media; the free field needs one")]
+    #[error("the absorbing faces stand before {count} different media; the free field needs one: {media}")]
     SeveralMedia {
         /// How many.
         count: usize,
+        /// The parts of each medium, with the faces before them.
+        media: String,
     },
     /// Another crate refused what stands here; its error is the source.
     #[error("{0}")]

@@ -141,9 +141,17 @@ pub enum Convention {
     Incident,
     /// The motion of an outcrop, twice the incident wave.
     Outcrop,
-    /// The component of the free surface's motion along the wave's horizontal direction of travel.
+    /// The component of the free surface's motion along the wave's horizontal direction of travel,
+    /// which its azimuth gives: not the x of the mesh where the wave has another azimuth than 0.
+    SurfaceAlong,
+    /// The component of the free surface's motion across that direction, horizontally, to its left: not
+    /// the y of the mesh where the wave has another azimuth than 0.
+    SurfaceAcross,
+    /// The same as `surface-along`; where the azimuth is not 0 the run warns that it is not the x of the
+    /// mesh.
     SurfaceX,
-    /// The component of the free surface's motion across that direction.
+    /// The same as `surface-across`; where the azimuth is not 0 the run warns that it is not the y of
+    /// the mesh.
     SurfaceY,
     /// The vertical component of the free surface's motion.
     SurfaceZ,
@@ -157,8 +165,8 @@ pub enum Convention {
 pub struct Within {
     /// Depth below the surface (m).
     pub depth: Positive,
-    /// The component: x along the wave's horizontal direction of travel, y across it, z up.
-    pub component: Component,
+    /// The component: along the wave's horizontal direction of travel, across it, or up.
+    pub component: WaveAxis,
     /// Regularisation of the division by the transfer function, 0.001 to 0.5; 0.05 by default.
     pub regularisation: Option<Share>,
 }
@@ -166,12 +174,30 @@ pub struct Within {
 /// A component of motion in the frame of a wave.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
-pub enum Component {
+pub enum WaveAxis {
     /// Along the horizontal direction of travel.
+    Along,
+    /// Across it, horizontally, to its left.
+    Across,
+    /// The same as `along`; where the wave's azimuth is not 0 the run warns that it is not the x of the
+    /// mesh.
     X,
-    /// Across it.
+    /// The same as `across`; where the wave's azimuth is not 0 the run warns that it is not the y of the
+    /// mesh.
     Y,
     /// Up.
+    Z,
+}
+
+/// A component of a record.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Component {
+    /// The file of the first horizontal component.
+    X,
+    /// That of the second.
+    Y,
+    /// That of the vertical one.
     Z,
 }
 

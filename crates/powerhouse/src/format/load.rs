@@ -55,8 +55,9 @@ pub enum Support {
         direction: At<[Finite; 3]>,
         /// Displacement along it (m). Either this or a record is given.
         displacement: Option<Finite>,
-        /// The record, by name (and component, as `name.x`), whose displacement it is; it starts
-        /// at t = 0, with what a filter put before it.
+        /// The record, by name (and component, as `name.x`), whose displacement it is; its first
+        /// sample comes at t = 0. If what a filter puts before that is not quiet when the run starts,
+        /// the records of all prescribed motions come later by the same time, and the run says so.
         record: Option<At<String>>,
         /// Function of time by which either is multiplied, one at all times by default.
         function: Option<Function>,

@@ -11,6 +11,7 @@
 mod at;
 mod case;
 mod change;
+mod dashpot;
 mod decode;
 mod function;
 mod ground;
@@ -33,12 +34,13 @@ use serde::Deserialize;
 
 pub use at::At;
 pub use case::{ByName, BySet, Case, Changed};
+pub use dashpot::DashpotRatio;
 pub use decode::{decode, decode_case};
 pub(crate) use decode::{decode_materials, decode_tagged};
 pub use function::{Function, Pulse};
 pub use ground::{
     Baseline, BoundarySection, Component, Components, Convention, Count, Ground, Length, Record,
-    Region, Space, Units, Wave, WaveKind, Within,
+    Region, Space, Units, Wave, WaveAxis, WaveKind, Within,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
 pub(crate) use load::{GRAVITY, WATER_DENSITY};
@@ -51,7 +53,6 @@ pub use output::{
 pub use parameters::Parameters;
 pub use quantity::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,
-    SpeedRatio,
 };
 pub use reference::Reference;
 pub use residual::Residual;

@@ -96,8 +96,3 @@ quantity! {
     AmplitudeRatio, "a number of 0 to 100", |x| (0.0..=100.0).contains(&x),
     { "type": "number", "minimum": 0, "maximum": 100 }
 }
-quantity! {
-    /// The speed ratio B of a viscous-spring boundary, 0.1 to 10.
-    SpeedRatio, "a number of 0.1 to 10", |x| (0.1..=10.0).contains(&x),
-    { "type": "number", "minimum": 0.1, "maximum": 10 }
-}

@@ -13,7 +13,7 @@ use super::{At, Finite, Load, NonNegative, Positive, Share};
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum InSituStress {
-    /// That of ground under its own weight (9.81 m/s2).
+    /// That of ground under its own weight (9.81 m/s2), none above its surface.
     Ground {
         /// Height of the ground's surface (m).
         level: Finite,

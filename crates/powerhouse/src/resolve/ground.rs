@@ -1,6 +1,6 @@
 //! Waves and the field that they make.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use powerhouse_model::{IncidentField, ModelError, Vec3};
@@ -10,12 +10,19 @@ use powerhouse_wavefield::{
     WaveKind, ZeroMeanPulse, first_hit_corner,
 };
 
-use super::record::PreparedRecord;
+use super::record::{PreparedRecord, cut_short};
 use super::{named, vector};
 use crate::fault::{Fault, Problem};
-use crate::format::{self, At, Azimuth, Finite, Positive, Pulse, SceneFile, Space, Wave};
+use crate::format::{
+    self, At, Azimuth, Convention, Finite, Positive, Pulse, SceneFile, Space, Wave, WaveAxis,
+};
 use crate::scene::{InitialMotion, NOT_AT_REST, box_corners};
 use crate::{Error, Remark, Scene};
+
+/// Ways out of several media behind the absorbing faces.
+const ONE_MEDIUM: &str = "where a tunnel or lining runs through, rollers on the front and back faces in place of absorbing ones, or one `slice` of the mesh across its axis; else one medium at all absorbing faces: layers before them are not possible";
+/// What makes a record that is filtered begin more quietly.
+const QUIETER: &str = "the filter of the record's `baseline` rings before its start: a higher `corner`, or another kind such as velocity-polynomial, leaves less of that";
 
 /// The scene with the sum of all waves, in the medium behind the absorbing faces.
 pub(super) fn field(
@@ -41,7 +48,9 @@ pub(super) fn field(
     let media = scene.media_behind_boundary().map_err(refused)?;
     let &[medium] = &media[..] else {
         let count = media.len();
-        return Err(Fault::new(faces, Problem::SeveralMedia { count }));
+        let media = scene.media_at_faces().map_err(refused)?;
+        let problem = Problem::SeveralMedia { count, media };
+        return Err(Fault::new(faces, problem).with_help(ONE_MEDIUM));
     };
     let (low, high) = scene.mesh.bounding_box();
     let surface = file.ground.surface.as_ref().map_or(high.z, |at| at.get());
@@ -66,6 +75,9 @@ pub(super) fn field(
             None => first_hit_corner(&low, &high, &parameters.direction()),
         };
         parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
+        if let Some(remark) = unclear_axis(table, file) {
+            scene.remarks.push(remark);
+        }
         let wave = plane_wave(table, parameters, records)?;
         let convention = wave.parameters().convention;
         if convention != InputConvention::Incident {
@@ -77,9 +89,41 @@ pub(super) fn field(
         }
         waves.push(wave);
     }
-    let waves = quiet(waves, &file.waves, (low, high), &mut scene)?;
+    let waves = quiet(waves, (&file.waves, records), (low, high), &mut scene)?;
+    let mut told = BTreeSet::new();
+    for (wave, table) in waves.iter().zip(&file.waves) {
+        let Some(name) = &table.record else { continue };
+        let record = component(name, table.component.as_ref(), records)?;
+        if told.insert(name.to_string()) {
+            let arrival = wave.parameters().arrival;
+            scene.remarks.extend(cut_short(name, record, arrival, &scene));
+        }
+    }
     let driven = scene.plane_waves(waves);
     driven.map_err(|error| Fault::refused(first.incidence.span(), error))
+}
+
+/// The remark that a record is of an axis which the wave's azimuth turns away from that of the mesh.
+fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
+    let azimuth = table.azimuth.map_or(0.0, Azimuth::get);
+    let name = table.record.as_ref()?;
+    let record = file.records.iter().find(|record| *record.name == **name)?;
+    let (convention, clear) = match &*record.convention {
+        Convention::SurfaceX => ("surface-x", "surface-along"),
+        Convention::SurfaceY => ("surface-y", "surface-across"),
+        Convention::Within(within) => match within.component {
+            WaveAxis::X => ("x", "along"),
+            WaveAxis::Y => ("y", "across"),
+            _ => return None,
+        },
+        _ => return None,
+    };
+    (azimuth % 360.0 != 0.0).then(|| Remark::TurnedAxis {
+        record: name.to_string(),
+        convention,
+        clear,
+        azimuth,
+    })
 }
 
 /// The record of a wave: by its name, or a component of one that has some.
@@ -185,7 +229,7 @@ fn pulse(pulse: &Pulse, factor: f64) -> Result<Arc<dyn Signal>, WaveError> {
 /// start is refused.
 fn quiet(
     waves: Vec<PlaneWave>,
-    tables: &[Wave],
+    (tables, records): (&[Wave], &BTreeMap<String, PreparedRecord>),
     (low, high): (Vec3, Vec3),
     scene: &mut Scene,
 ) -> Result<Vec<PlaneWave>, Fault> {
@@ -210,9 +254,15 @@ fn quiet(
         if given + way(&wave, &corners) < scene.start {
             return Err(early(table, &wave, level.largest(), scene));
         }
+        let lead = table.record.as_ref().map_or(Ok(0.0), |name| {
+            component(name, table.component.as_ref(), records).map(|record| record.lead)
+        })?;
         let (wave, start) = wave
             .with_quiet_start(&corners, scene.start, &limits)
-            .map_err(refused)?;
+            .map_err(|error| match lead > 0.0 {
+                true => refused(error).with_help(QUIETER),
+                false => refused(error),
+            })?;
         quiet.push((wave, Some(start)));
     }
     let own = |start: &Option<QuietStart>| start.map_or(0.0, |start| start.padding);

@@ -6,14 +6,17 @@ use powerhouse_explicit_core::{
     FacePressure, FaceTraction, NodalForce, PeriodicPairs, Prescribed, Profile, Support,
 };
 use powerhouse_model::{Constant, Facet, NodalLoad, Table, TimeFunction, Vec3};
-use powerhouse_wavefield::{EndDisplacement, Signal};
+use powerhouse_wavefield::{
+    BaselineCorrection, EndDisplacement, QuietStartLimits, RecordSignal, Signal,
+};
 
-use super::record::PreparedRecord;
+use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
 use crate::acting::Lasting;
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_DENSITY};
-use crate::{Mirror, Parity, Scene};
+use crate::scene::InitialMotion;
+use crate::{Mirror, Parity, Remark, Scene};
 
 /// Nodes of periodic faces match within this share of the mesh's diagonal.
 const PERIODIC_TOLERANCE: f64 = 1e-6;
@@ -26,6 +29,7 @@ pub(super) fn supports(
     records: &BTreeMap<String, PreparedRecord>,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
+    let arrivals = arrivals(supports, records, scene)?;
     for support in supports {
         match &**support {
             format::Support::Fixed { set } => {
@@ -74,7 +78,11 @@ pub(super) fn supports(
                     }
                     (None, Some(record)) => {
                         let factor = history(function.as_ref(), 1.0, support)?;
-                        of_record(record, factor, records)?
+                        let prepared = named("record", record, records)?;
+                        let arrival = arrivals.padding - prepared.lead;
+                        let remark = cut_short(record, prepared, arrival, scene);
+                        scene.remarks.extend(remark);
+                        of_record(record, factor, prepared, &arrivals)?
                     }
                     (displacement, record) => {
                         let found = [displacement.is_some(), record.is_some()];
@@ -136,21 +144,109 @@ pub(super) fn direction(at: &At<[Finite; 3]>) -> Result<Vec3, Fault> {
     Err(Fault::new(at.span(), Problem::Value { found, expected }))
 }
 
-/// The displacement of a record, times a factor.
+/// When the records of prescribed motions come.
+struct Arrivals {
+    /// When the run starts (s).
+    start: f64,
+    /// By how much all records come later (s), so that the body may start at rest.
+    padding: f64,
+}
+
+impl Arrivals {
+    /// Where in a record, which has a lead (s), the run starts (s).
+    fn first(&self, record: &PreparedRecord) -> f64 {
+        self.start + record.lead - self.padding
+    }
+}
+
+/// The displacement of a record, times a factor. It begins before the record's own start with what a filter
+/// put there; where that has begun when the run starts it is let in smoothly.
 fn of_record(
     name: &At<String>,
     factor: Box<dyn TimeFunction>,
-    records: &BTreeMap<String, PreparedRecord>,
+    record: &PreparedRecord,
+    arrivals: &Arrivals,
 ) -> Result<Box<dyn TimeFunction>, Fault> {
-    let record = named("record", name, records)?;
-    let signal = record
-        .history
-        .clone()
-        .into_signal(EndDisplacement::Declared(record.end))
-        .map_err(|error| Fault::refused(name.span(), error))?;
+    let signal = signal(name, record)?;
+    let ahead = record.lead - arrivals.padding;
+    let displacement = move |t: f64| factor.value(t) * signal.motion(t + ahead).displacement;
+    let (start, easing) = (arrivals.start, easing(record));
+    if easing == 0.0 || arrivals.first(record) <= 0.0 {
+        return Ok(Box::new(displacement));
+    }
     Ok(Box::new(move |t: f64| {
-        factor.value(t) * signal.motion(t).displacement
+        let x = ((t - start) / easing).clamp(0.0, 1.0);
+        displacement(t) * (x * x * x * (10.0 + x * (6.0 * x - 15.0)))
     }))
+}
+
+/// Over so long (s) a record that has begun already is let in: half a period of its filter's corner, zero
+/// for a record that no filter begins before its start.
+fn easing(record: &PreparedRecord) -> f64 {
+    match record.baseline.map(|report| report.correction) {
+        Some(BaselineCorrection::HighPass { corner, .. }) => 0.5 / corner,
+        _ => 0.0,
+    }
+}
+
+fn signal(name: &At<String>, record: &PreparedRecord) -> Result<RecordSignal, Fault> {
+    let signal = (record.history.clone()).into_signal(EndDisplacement::Declared(record.end));
+    signal.map_err(|error| Fault::refused(name.span(), error))
+}
+
+/// When the records of prescribed motions come: as late, alike all of them, as it takes for what filters put
+/// before their starts to be below the threshold of a quiet start, as of waves, until it is let in. What was
+/// delayed for it is added to the remarks.
+fn arrivals(
+    supports: &[At<format::Support>],
+    records: &BTreeMap<String, PreparedRecord>,
+    scene: &mut Scene,
+) -> Result<Arrivals, Fault> {
+    let threshold = QuietStartLimits::default().threshold;
+    let (mut padding, mut levels) = (0.0_f64, BTreeMap::new());
+    for support in supports {
+        let format::Support::Prescribed {
+            record: Some(name), ..
+        } = &**support
+        else {
+            continue;
+        };
+        let record = named("record", name, records)?;
+        if record.lead == 0.0 || scene.initial == InitialMotion::Field {
+            continue;
+        }
+        let (signal, report) = (signal(name, record)?, record.report);
+        let level = |time: f64| {
+            let motion = signal.motion(time);
+            let over = |value: f64, peak: f64| if value == 0.0 { 0.0 } else { (value / peak).abs() };
+            over(motion.displacement, report.peak_displacement)
+                .max(over(motion.velocity, report.peak_velocity))
+        };
+        let (start, easing) = (scene.start + record.lead, easing(record));
+        if level(start + easing) >= threshold {
+            levels.insert(name.to_string(), level(start));
+        }
+        // The least delay from which on all longer ones are quiet: at the longest nothing has begun.
+        let step = record.history.step();
+        let count = (start.max(0.0) / step).ceil() as usize;
+        let quiet = |i: &usize| level(start + easing - step * *i as f64) < threshold;
+        let own = (0..=count).rev().take_while(quiet).last();
+        padding = padding.max(step * own.unwrap_or(count) as f64);
+    }
+    if padding > 0.0 {
+        let waves = scene.remarks.iter().find_map(|remark| match remark {
+            Remark::QuietStart { padding, .. } => Some(*padding),
+            _ => None,
+        });
+        let has_waves = scene.field.is_some();
+        scene.remarks.push(Remark::QuietMotion {
+            padding,
+            records: levels.into_iter().collect(),
+            waves: has_waves.then(|| waves.unwrap_or(0.0)),
+        });
+    }
+    let start = scene.start;
+    Ok(Arrivals { start, padding })
 }
 
 /// The mean outward normal of a plane facet set.

@@ -15,8 +15,9 @@ use super::{one_of, unique};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{
     At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
-    SceneFile, Share, Units,
+    SceneFile, Share, Units, WaveAxis,
 };
+use crate::{Remark, Scene};
 
 /// A record ready to drive waves.
 pub(super) struct PreparedRecord {
@@ -24,7 +25,7 @@ pub(super) struct PreparedRecord {
     /// Lasting displacement (m).
     pub(super) end: f64,
     pub(super) convention: InputConvention,
-    /// Time that the record gained before its former start (s).
+    /// Time that the record gained before its former start, and at its end (s).
     pub(super) lead: f64,
     /// Where its convention stands in the scene file.
     pub(super) place: core::ops::Range<usize>,
@@ -210,19 +211,45 @@ fn convention(convention: &Convention) -> InputConvention {
     match convention {
         Convention::Incident => InputConvention::Incident,
         Convention::Outcrop => InputConvention::Outcrop,
-        Convention::SurfaceX => surface(SurfaceComponent::X),
-        Convention::SurfaceY => surface(SurfaceComponent::Y),
+        Convention::SurfaceAlong | Convention::SurfaceX => surface(SurfaceComponent::X),
+        Convention::SurfaceAcross | Convention::SurfaceY => surface(SurfaceComponent::Y),
         Convention::SurfaceZ => surface(SurfaceComponent::Z),
         Convention::Within(within) => InputConvention::Within {
             depth: within.depth.get(),
             component: match within.component {
-                Component::X => SurfaceComponent::X,
-                Component::Y => SurfaceComponent::Y,
-                Component::Z => SurfaceComponent::Z,
+                WaveAxis::Along | WaveAxis::X => SurfaceComponent::X,
+                WaveAxis::Across | WaveAxis::Y => SurfaceComponent::Y,
+                WaveAxis::Z => SurfaceComponent::Z,
             },
             regularisation: within.regularisation.map_or(0.05, Share::get),
         },
     }
+}
+
+/// The share of a record's Arias intensity that a run is to hold.
+const HELD: f64 = 0.95;
+
+/// The remark that a run ends before most of a record has come, whose first sample comes at a time (s).
+pub(super) fn cut_short(
+    name: &str,
+    record: &PreparedRecord,
+    arrival: f64,
+    scene: &Scene,
+) -> Option<Remark> {
+    let end = scene.start + scene.duration;
+    let history = &record.history;
+    let whole = history.arias_intensity();
+    let held = (end - arrival).min(history.duration());
+    let part = match held > history.step() {
+        true => history.first(held, 0.0).ok()?.arias_intensity(),
+        false => 0.0,
+    };
+    (part < HELD * whole).then(|| Remark::CutShort {
+        name: name.into(),
+        share: part / whole,
+        run: end,
+        record: arrival + history.duration() - record.lead,
+    })
 }
 
 /// Reads a file of a record.

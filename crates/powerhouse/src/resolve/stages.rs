@@ -158,6 +158,7 @@ fn in_situ(
             surface: level.get(),
             at_surface: stress.map_or(Stress::default(), |stress| Stress(stress.map(Finite::get))),
             gradient: Stress(gradient.map(Finite::get)),
+            ends: false,
         })),
         format::InSituStress::Elements { file } => {
             let path = text.folder().join(&**file);

@@ -74,6 +74,32 @@ impl Scene {
         Ok(media)
     }
 
+    /// The parts behind the absorbing faces with the faces before each, medium by medium: as in
+    /// `'rock' (left, right), 'soil' (left)`.
+    ///
+    /// # Errors
+    /// As [`parts_behind_boundary`](Self::parts_behind_boundary).
+    pub fn media_at_faces(&self) -> Result<String, Error> {
+        let owner = self.part_of_elements()?;
+        let faces = self.absorbing_facets()?;
+        let mut told = Vec::new();
+        for medium in self.media_behind_boundary()? {
+            let is_of = |part: &usize| self.parts[*part].material.medium() == medium;
+            let behind = self.parts_behind_boundary()?.into_iter().filter(is_of);
+            let behind: Vec<usize> = behind.collect();
+            let names = behind.iter().map(|&part| format!("'{}'", self.parts[part].set));
+            let stands = |facets: &[Facet]| {
+                let mut parts = facets.iter().map(|facet| owner[facet.element as usize]);
+                parts.any(|part| part.is_some_and(|part| behind.contains(&part)))
+            };
+            let before = faces.iter().filter(|(_, facets)| stands(facets));
+            let before: Vec<&str> = before.map(|(face, _)| *face).collect();
+            let names: Vec<String> = names.collect();
+            told.push(format!("{} ({})", names.join(" and "), before.join(", ")));
+        }
+        Ok(told.join(", "))
+    }
+
     /// The centre of what scatters (m): as given, or the middle of the box around the parts that
     /// touch no absorbing face, or around the mesh if all do.
     ///

@@ -147,7 +147,7 @@ impl Places {
             return self.materials.get(set).cloned();
         }
         match source.downcast_ref() {
-            Some(ObserveError::EmptyCut { cut } | ObserveError::NoDirection { cut, .. }) => {
+            Some(ObserveError::EmptyCut { cut, .. } | ObserveError::NoDirection { cut, .. }) => {
                 self.cuts.get(cut).cloned()
             }
             _ => None,

@@ -13,7 +13,10 @@ use super::{InitialMotion, Piece, Places, ResidualLimit, Scene, TimeStep};
 use crate::joint::{Closing, NamedSurface};
 use crate::output::{Recordings, Remembered};
 use crate::stage::{Staging, Timeline, last_renewal};
-use crate::{Error, Remark, Simulation};
+use crate::{Error, InSituStress, Remark, Simulation};
+
+/// What is above a level by less than this share of the mesh's diagonal stands on it.
+const ROUNDING_OF_PLACE: f64 = 1e-9;
 
 /// A model that is all but built, and the sides of its joints by name.
 pub(crate) struct Moving<'a> {
@@ -55,6 +58,7 @@ impl Scene {
         let rims = self.rims()?;
         let (pieces, mut remarks) = self.pieces(&rims)?;
         let timeline = Timeline::of(&self)?;
+        remarks.extend(self.above_ground(timeline.as_ref()));
         remarks.extend(self.joints.iter().filter_map(|joint| {
             let (stage, renewal) = last_renewal(&self.stages, &joint.name)?;
             Some(Remark::JointAnew {
@@ -119,6 +123,24 @@ impl Scene {
                 variables: remembered.variables,
             }),
         ))
+    }
+
+    /// The remark that the in-situ stress of ground ends below the top of the body that the first stage
+    /// finds.
+    fn above_ground(&self, timeline: Option<&Timeline>) -> Option<Remark> {
+        let Some(InSituStress::Field(field)) = &self.in_situ_stress else {
+            return None;
+        };
+        let absent = &timeline?.absent;
+        let there = |element: &u32| absent.binary_search(element).is_err();
+        let elements = (0..self.mesh.element_count() as u32).filter(there);
+        let nodes = elements.flat_map(|element| self.mesh.nodes_of(element).iter());
+        let heights = nodes.map(|&node| self.mesh.positions()[node as usize].z);
+        let top = heights.fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = self.mesh.bounding_box();
+        let level = field.surface;
+        let above = top - level > ROUNDING_OF_PLACE * (high - low).norm();
+        (field.ends && above).then_some(Remark::AboveGround { level, top })
     }
 
     /// The model that moves, but for its start; what is found about its surroundings is added to the

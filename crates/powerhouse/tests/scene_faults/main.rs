@@ -575,9 +575,13 @@ fn a_field_has_one_medium() {
     ) + "[[material]]\nname = \"concrete\"\nlaw = \"elastic\"\nyoung = 25e9\npoisson = 0.17\ndensity = 2500\n";
     let fault = fault_of(&two, "[\"left\"", "[§\"intrados\", \"left\"");
     assert!(
-        matches!(fault.problem(), Problem::SeveralMedia { count: 2 }),
+        matches!(fault.problem(), Problem::SeveralMedia { count: 2, .. }),
         "{fault}"
     );
+    // Media, faces and ways out are named.
+    let shown = fault.render(false);
+    assert!(shown.contains("'rock' (left, right, front, back, bottom), 'lining' (intrados)"), "{shown}");
+    assert!(shown.contains("rollers") && shown.contains("`slice`"), "{shown}");
 }
 
 /// The message shows the line, points at the place, lists what is permitted and guesses the word

@@ -276,6 +276,8 @@ fn conventions() {
     for (kind, name, keys, convention) in [
         (WaveKind::SV, "sv", "\"outcrop\"", InputConvention::Outcrop),
         (WaveKind::SV, "sv", "\"surface-x\"", surface(X)),
+        (WaveKind::SV, "sv", "\"surface-along\"", surface(X)),
+        (WaveKind::SH, "sh", "\"surface-across\"", surface(Y)),
         (WaveKind::SH, "sh", "\"surface-y\"", surface(Y)),
         (WaveKind::P, "p", "\"surface-z\"", surface(Z)),
         (
@@ -324,6 +326,38 @@ fn conventions() {
         let text = CUBE.replace(WAVE, &keys);
         let text = text.replace("duration = 0.6\n", &format!("duration = {duration}\n"));
         variants.equal((CUBE, &text), under(parameters, signal).duration(duration));
+    }
+}
+
+/// A record of the x or y of a wave is warned of where the wave's azimuth turns them away from those of the
+/// mesh, unless its name says what it means.
+#[test]
+fn turned_axes_are_warned_of() {
+    let variants = Variants::new("axes");
+    std::fs::write(variants.0.0.join("one.txt"), text(&samples(90))).unwrap();
+    let within = |component: &str| format!("{{ within = {{ depth = 80, component = \"{component}\" }} }}");
+    let names = ["x", "y", "z", "along", "across"];
+    let conventions = names.map(|name| (name, within(name))).into_iter().chain(
+        names.map(|name| (name, format!("\"surface-{name}\""))),
+    );
+    for (name, convention) in conventions.chain([("", "\"outcrop\"".to_owned())]) {
+        let kind = match name {
+            "y" | "across" => "sh",
+            "z" => "p",
+            _ => "sv",
+        };
+        for azimuth in [0.0, 90.0, 180.0, -35.0, 360.0] {
+            let keys = format!(
+                "[[record]]\nname = \"r\"\nconvention = {convention}\nfile = \"one.txt\"\ntime_step = 0.01\nunits = \"m/s2\"\nbaseline = {{ kind = \"velocity-polynomial\", order = 3 }}\n\
+                 [[wave]]\nkind = \"{kind}\"\nincidence = 20\nazimuth = {azimuth}\nrecord = \"r\"\n"
+            );
+            let scene = variants.read(WAVE, &keys).unwrap();
+            let warned = scene.remarks().iter().any(|remark| {
+                matches!(remark, Remark::TurnedAxis { .. }) && remark.is_warning()
+            });
+            let expected = azimuth % 360.0 != 0.0 && ["x", "y"].contains(&name);
+            assert_eq!(warned, expected, "{convention} {azimuth}");
+        }
     }
 }
 

@@ -284,6 +284,20 @@ fn boundaries() {
             ),
         ),
         (
+            "kind = \"viscous-spring\"\nb = \"paper\"",
+            Boundary::new(ViscousSpring::paper(), SIDES),
+        ),
+        (
+            "kind = \"viscous-spring\"\nb = 1\nx = { b = \"paper\" }",
+            Boundary::new(
+                ViscousSpring {
+                    axes: [axis(0.8, 1.1, None), default, default],
+                    ..ViscousSpring::default()
+                },
+                SIDES,
+            ),
+        ),
+        (
             "kind = \"viscous-spring\"\nspreading = \"cylindrical\"\ninput = \"full-field\"",
             Boundary::new(
                 ViscousSpring {

@@ -1,5 +1,6 @@
 //! Scenes from files and from Rust: what they accept, and what runs of them give.
 
+mod base_motion;
 mod damping;
 mod grouting;
 mod joint_output;

@@ -400,6 +400,7 @@ fn stages_are_shown_as_they_come_to_rest() {
         surface: 12.0,
         at_surface: Stress([-1e4, -2e4, 0.0, 0.0, 0.0, 0.0]),
         gradient: Stress([-1.2e4, -1.5e4, -2600.0 * 9.81, 0.0, 0.0, 0.0]),
+        ends: false,
     };
     let scene = ground(mesh.clone())
         .in_situ_stress(InSituStress::Elements(field.of_elements(&mesh)))

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse::engine::{StageReport, StaticProgress, StressField};
-use powerhouse::{Error, InSituStress, Results, RunHooks, Scene, StageAtRest, StageSink};
+use powerhouse::io::write_gmsh;
+use powerhouse::model::{Mesh, Vec3};
+use powerhouse::{Error, InSituStress, Remark, Results, RunHooks, Scene, StageAtRest, StageSink};
 
 use crate::stages::{BOLTS, MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
-use crate::support::run;
+use crate::support::{Folder, run};
 
 /// Parts that are damped over a band meet the stages with the stiffness that they have at rest, and what
 /// the stages leave does not relax: without input the body stands still, cracked rock too, and its
@@ -207,4 +209,62 @@ fn the_stress_of_the_ground_comes_from_a_table() {
     let mut odd = rows.clone();
     odd[0] = format!("nan{}", &odd[0][odd[0].find(',').unwrap()..]);
     told(header, &odd, &["not finite"]);
+}
+
+/// Keeps the stress of every element (Pa), with the height of its middle (m).
+#[derive(Clone, Default)]
+struct Stresses(Arc<std::sync::Mutex<Vec<(f64, [f64; 6])>>>);
+
+impl StageSink for Stresses {
+    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+        let elements = stage.stress.iter().enumerate();
+        let of = elements.map(|(e, stress)| (stage.mesh.centroid(e as u32).z, stress.0));
+        *self.0.lock().unwrap() = of.collect();
+        Ok(())
+    }
+}
+
+/// The stress of ground is none above its level, as that of a joint is: what stands above, held at its
+/// sides, gets the horizontal stress nu / (1 - nu) of its weight alone, what lies below keeps its own ratio
+/// beside that. A body that reaches above the level is warned of, one below is not.
+#[test]
+fn ground_has_no_stress_above_its_level() {
+    const NU: f64 = 0.25;
+    const LATERAL: f64 = 0.5;
+    const WEIGHT: f64 = 2600.0 * 9.81;
+    for (height, level) in [(60.0, 30.0), (40.0, 8.0), (60.0, 60.0), (20.0, 50.0)] {
+        let folder = Folder::new("level");
+        let high = Vec3::new(4.0, 4.0, height);
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), high, [1, 1, 10], "rock").unwrap();
+        write_gmsh(folder.0.join("trench.msh"), &mesh).unwrap();
+        let mut text = format!(
+            "title = \"level\"\nmesh = {{ file = \"trench.msh\" }}\n\
+             material = [{{ name = \"rock\", law = \"elastic\", young = 2e9, poisson = {NU}, density = 2600 }}]\n\
+             part = [{{ set = \"rock\", material = \"rock\" }}]\nload = [{{ kind = \"gravity\" }}]\n\
+             in_situ_stress = {{ kind = \"ground\", level = {level}, density = 2600, lateral = {LATERAL} }}\n\
+             time = {{ duration = 0.01 }}\nstage = [{{ name = \"ground\" }}]\n"
+        );
+        for face in ["left", "right", "front", "back", "bottom"] {
+            text += &format!("[[support]]\nkind = \"roller\"\nset = \"{face}\"\n");
+        }
+        let simulation = read(&folder, &text).unwrap().prepare().unwrap();
+        let warned = simulation.remarks().iter().any(|remark| {
+            matches!(remark, Remark::AboveGround { level: at, top }
+                if *at == level && *top == height && remark.is_warning())
+        });
+        assert_eq!(warned, level < height);
+        let stresses = Stresses::default();
+        simulation.bring_to_rest(None, Some(Box::new(stresses.clone()))).unwrap();
+        // The weight above an element: what its own ground left out, elastic under fixed sides.
+        for (z, stress) in stresses.0.lock().unwrap().iter() {
+            let own = WEIGHT * (level - z).max(0.0);
+            let all = WEIGHT * (height - z);
+            let lateral = LATERAL * own + NU / (1.0 - NU) * (all - own);
+            for (found, expected) in [(stress[2], -all), (stress[0], -lateral), (stress[1], -lateral)] {
+                // The level cuts no element, or the middle of one half below it.
+                let error = (found - expected).abs() / (WEIGHT * height);
+                assert!(error < 1e-6, "{level} {z}: {found} {expected}");
+            }
+        }
+    }
 }

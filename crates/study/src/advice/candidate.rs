@@ -100,7 +100,7 @@ impl BoundaryKind {
         if *self == Self::Viscous {
             return Ok(Arc::new(Viscous { input }));
         }
-        let mut axes = [AxisParameters::default(); 3];
+        let mut axes = [AxisParameters::PAPER; 3];
         for (axis, distance) in axes.iter_mut().zip(standing.distances) {
             // Others take the distance of each node, from the scene's geometry.
             let given = matches!(self, Self::StaticSprings)

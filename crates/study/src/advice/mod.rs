@@ -39,8 +39,8 @@ mod shell;
 
 pub use band::Band;
 pub use candidate::{BoundaryKind, Standing};
-pub(crate) use room::{Bounds, Room, elements_at, kind_of};
-pub use room::{BoxAdvice, NearerFaces, advise_box};
+pub(crate) use room::{Bounds, Room, kind_of};
+pub use room::{BoxAdvice, NearerFaces, Obstacle, advise_box};
 pub(crate) use setting::inner_free_surface;
 pub use setting::{ArrivingWave, Drive, Setting};
 

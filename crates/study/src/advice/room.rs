@@ -3,7 +3,8 @@
 use core::fmt;
 
 use powerhouse::Scene;
-use powerhouse::model::{AbsorbingBoundary, ParameterError, Vec3};
+use powerhouse::boundary::ViscousSpring;
+use powerhouse::model::{AbsorbingBoundary, BoundarySite, Facet, Mesh, ParameterError, Vec3};
 
 use super::{BoundaryKind, Setting, predicted_error};
 use crate::StudyError;
@@ -38,6 +39,8 @@ pub struct BoxAdvice {
     pub elements: usize,
     /// The nearest faces that meet the stated error, if any nearer ones do.
     pub nearer: Option<NearerFaces>,
+    /// What keeps faces from coming nearer still, beside the error.
+    pub obstacle: Option<Obstacle>,
 }
 
 impl BoxAdvice {
@@ -67,7 +70,10 @@ impl fmt::Display for BoxAdvice {
             per_cent(self.error)
         )?;
         let Some(nearer) = &self.nearer else {
-            return writeln!(f, "  no nearer faces meet the stated error");
+            return match &self.obstacle {
+                None => writeln!(f, "  no nearer faces meet the stated error"),
+                Some(obstacle) => writeln!(f, "  no nearer faces are possible: {obstacle}"),
+            };
         };
         writeln!(
             f,
@@ -84,9 +90,17 @@ impl fmt::Display for BoxAdvice {
 
 /// The kind of a scene's boundary, as predictions have it.
 pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
-    match condition.name() {
-        "viscous" => BoundaryKind::Viscous,
-        _ => BoundaryKind::Springs { speed_ratio: 1.1 },
+    if condition.name() == "viscous" {
+        return BoundaryKind::Viscous;
+    }
+    let known = condition.as_any();
+    let known = known.and_then(|any| any.downcast_ref::<ViscousSpring>());
+    let default = ViscousSpring::default();
+    let ratios = (known.unwrap_or(&default).axes).map(|axis| axis.speed_ratio);
+    // That of the faces which return most straight on.
+    let worst = ratios.into_iter().max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()));
+    BoundaryKind::Springs {
+        speed_ratio: worst.unwrap_or(1.0),
     }
 }
 
@@ -99,7 +113,7 @@ pub(crate) type Bounds = [Option<[f64; 2]>; 3];
 /// The ground of a scene, as far as it may be cut off.
 pub(crate) struct Room<'a> {
     scene: &'a Scene,
-    setting: Setting,
+    pub(crate) setting: Setting,
     /// Nodes of what scatters.
     scatterers: Vec<u32>,
     recorded: Recorded,
@@ -125,8 +139,11 @@ impl<'a> Room<'a> {
     }
 
     /// The box of the faces at a share of their distances, along the axes where some absorb, and the elements with
-    /// their centroids in it; none if something that scatters or is recorded would not lie within.
-    pub(crate) fn at(&self, share: f64) -> Option<(Bounds, Vec<u32>)> {
+    /// their centroids in it.
+    ///
+    /// # Errors
+    /// [`Obstacle`].
+    pub(crate) fn at(&self, share: f64) -> Result<(Bounds, Vec<u32>), Obstacle> {
         let within = box_at(self.scene, &self.setting, share);
         let (low, high) = corners(&within);
         let inside =
@@ -135,7 +152,7 @@ impl<'a> Room<'a> {
         let scatterers = self.scatterers.iter();
         let mut structure = scatterers.map(|&node| &mesh.positions()[node as usize]);
         if !structure.all(inside) || !recorded.points.iter().all(inside) {
-            return None;
+            return Err(Obstacle::Needed);
         }
         let kept = mesh.elements_in_box(&low, &high);
         let nodes = mesh.nodes_of_elements(&kept);
@@ -144,8 +161,81 @@ impl<'a> Room<'a> {
             needed.all(|one| all.binary_search(one).is_ok())
         };
         let is_whole = holds(&kept, &recorded.elements) && holds(&nodes, &recorded.nodes);
-        (is_whole && !kept.is_empty()).then_some((within, kept))
+        if !is_whole || kept.is_empty() {
+            return Err(Obstacle::Needed);
+        }
+        self.accept((&low, &high))?;
+        Ok((within, kept))
     }
+
+    /// Sees that the mesh in a box has plane absorbing faces where the scene has some, on which its boundary
+    /// can stand.
+    fn accept(&self, (low, high): (&Vec3, &Vec3)) -> Result<(), Obstacle> {
+        let (scene, setting) = (self.scene, &self.setting);
+        let faces = scene.absorbing_facets().unwrap_or_default();
+        let cut = scene.mesh().within(low, high).map_err(|_| Obstacle::Needed)?;
+        let mut left = Vec::with_capacity(faces.len());
+        for (face, before) in &faces {
+            let facets = cut.facet_set(face).unwrap_or_default();
+            let is_plane = flatness(scene.mesh(), before) - flatness(&cut, facets) < STEPPED;
+            if facets.is_empty() || !is_plane {
+                return Err(Obstacle::Steps {
+                    face: (*face).to_owned(),
+                });
+            }
+            left.push((*face, facets));
+        }
+        let site = BoundarySite::from_mesh(&cut, &left, |_| setting.medium, setting.centre, None);
+        let condition = scene.absorbing_boundary().map(|b| b.condition.build(&site));
+        match condition {
+            Some(Err(reason)) => Err(Obstacle::Refused {
+                reason: reason.to_string(),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Why faces cannot stand where a box would put them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Obstacle {
+    /// Something that scatters or is recorded would not lie within.
+    Needed,
+    /// The elements do not stand in plane layers before a face: cut by their centroids it would have steps.
+    Steps {
+        /// The face.
+        face: String,
+    },
+    /// The boundary cannot stand there.
+    Refused {
+        /// What it says.
+        reason: String,
+    },
+}
+
+impl fmt::Display for Obstacle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Needed => write!(f, "what scatters or is recorded would not lie within"),
+            Self::Steps { face } => write!(
+                f,
+                "the elements before the face '{face}' do not stand in plane layers: cut by their centroids it would have steps"
+            ),
+            Self::Refused { reason } => write!(f, "the boundary cannot stand there: {reason}"),
+        }
+    }
+}
+
+/// By so much less a face with steps is flat.
+const STEPPED: f64 = 1e-3;
+
+/// The size of the vector area of facets over their area: 1 for plane ones.
+fn flatness(mesh: &Mesh, facets: &[Facet]) -> f64 {
+    let areas = facets.iter().map(|&facet| mesh.facet_geometry(facet).vector_area);
+    let (sum, all) = areas.fold((Vec3::zeros(), 0.0), |(sum, all), area| {
+        (sum + area, all + area.norm())
+    });
+    if all > 0.0 { sum.norm() / all } else { 0.0 }
 }
 
 /// The box of a scene's faces at a share of their distances, along the axes where some absorb.
@@ -167,12 +257,6 @@ fn corners(within: &Bounds) -> (Vec3, Vec3) {
         Vec3::from(within.map(|pair| pair.map_or(otherwise, |pair| pair[end])))
     };
     (end(0, f64::NEG_INFINITY), end(1, f64::INFINITY))
-}
-
-/// How many elements of a scene have their centroids in the box of its faces at a share of their distances.
-pub(crate) fn elements_at(scene: &Scene, setting: &Setting, share: f64) -> usize {
-    let (low, high) = corners(&box_at(scene, setting, share));
-    scene.mesh().elements_in_box(&low, &high).len()
 }
 
 /// How near the absorbing faces of a scene may come to what scatters, all by one share of their distances,
@@ -202,13 +286,18 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
         as_it_stands: predicted_error(setting, 1.0, kind)?,
         elements: scene.mesh().element_count(),
         nearer: None,
+        obstacle: None,
     };
     if advice.as_it_stands > error || setting.radius.is_none() {
         return Ok(advice);
     }
     for share in SHARES {
-        let Some((within, elements)) = room.at(share) else {
-            break;
+        let (within, elements) = match room.at(share) {
+            Ok(found) => found,
+            Err(obstacle) => {
+                advice.obstacle = Some(obstacle);
+                break;
+            }
         };
         // What leaves no room for a prediction is too near.
         let Ok(predicted) = predicted_error(setting, share, kind) else {

@@ -70,8 +70,8 @@ impl Setting {
     /// The setting of a scene.
     ///
     /// # Errors
-    /// A scene without an absorbing boundary, or whose ground is of several media; a field that is not
-    /// known to be made of plane waves; one in which nothing moves.
+    /// A scene without an absorbing boundary, one without absorbing sides, or whose ground is of several
+    /// media; a field that is not known to be made of plane waves; one in which nothing moves.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
         Ok(Self::with_scatterers(scene)?.0)
     }
@@ -85,7 +85,9 @@ impl Setting {
         let &[medium] = &media[..] else {
             return Err(match media.len() {
                 0 => StudyError::NoBoundary,
-                count => StudyError::SeveralMedia { count },
+                _ => StudyError::SeveralMedia {
+                    media: scene.media_at_faces()?,
+                },
             });
         };
         let mesh = scene.mesh();
@@ -106,6 +108,13 @@ impl Setting {
         nodes.sort_unstable();
         nodes.dedup();
         let absorbs = |axis: usize| distances[axis].iter().any(Option::is_some);
+        if !absorbs(0) && !absorbs(1) {
+            let faces = scene.absorbing_facets().map_err(Error::from)?;
+            let faces = faces.iter().map(|(face, _)| (*face).to_owned());
+            return Err(StudyError::NoSides {
+                faces: faces.collect(),
+            });
+        }
         // The axis along which the body goes on as it is.
         let long = (0..2).find(|&axis| !absorbs(axis));
         let top = mesh.bounding_box().1.z;

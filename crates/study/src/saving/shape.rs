@@ -8,7 +8,7 @@ use powerhouse::wavefield::WaveKind;
 
 use super::{Change, PredictedError, Saving};
 use crate::StudyError;
-use crate::advice::{Setting, elements_at, kind_of, predicted_error};
+use crate::advice::{Room, kind_of, predicted_error};
 
 /// Nodes that are closer than this share of the mesh's diagonal are at one place.
 const TOLERANCE: f64 = 1e-6;
@@ -226,16 +226,21 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     };
     let kind = kind_of(boundary.condition.as_ref());
     // What advice refuses has no prediction.
-    let Ok(setting) = Setting::of(scene) else {
+    let Ok(room) = Room::of(scene) else {
         return Ok(None);
     };
+    let setting = &room.setting;
     if setting.radius.is_none() {
         return Ok(None);
     }
-    let Ok(predicted) = predicted_error(&setting, NEARER, kind) else {
+    let Ok(predicted) = predicted_error(setting, NEARER, kind) else {
         return Ok(None);
     };
-    let left = elements_at(scene, &setting, NEARER) as f64;
+    // Nor is that offered which the mesh does not allow.
+    let Ok((_, left)) = room.at(NEARER) else {
+        return Ok(None);
+    };
+    let left = left.len() as f64;
     let error = PredictedError {
         share: predicted,
         of: "displacement and velocity, that of the boundary as a whole",

@@ -43,7 +43,7 @@ pub(super) fn ground(
     let mut levels = vec![Level::own("as it stands")];
     let mut least = scene.mesh().element_count();
     for share in NEARER {
-        let Some((within, elements)) = room.at(share) else {
+        let Ok((within, elements)) = room.at(share) else {
             break;
         };
         if elements.len() as f64 > WORTHWHILE * least as f64 {

@@ -166,8 +166,18 @@ impl SectionForces {
         // Elements that only touch the plane from its positive side count as met if no others are.
         let section =
             meet(mesh, plane(true), &chosen).or_else(|| meet(mesh, plane(false), &chosen));
-        let section = section.ok_or_else(|| ObserveError::EmptyCut {
-            cut: cut.name.clone(),
+        let section = section.ok_or_else(|| {
+            let unbounded = Cut {
+                within: None,
+                ..cut.clone()
+            };
+            let all = elements_in_box(mesh, &unbounded, elements);
+            ObserveError::EmptyCut {
+                cut: cut.name.clone(),
+                outside: meet(mesh, plane(true), &all)
+                    .or_else(|| meet(mesh, plane(false), &all))
+                    .is_some(),
+            }
         })?;
         let geometry = section.geometry(cut, along);
         let axes = [geometry.normal, geometry.across, geometry.along];

@@ -1,0 +1,161 @@
+//! Prescribed motions by records: when they come, and what is said of it.
+
+use powerhouse::io::write_gmsh;
+use powerhouse::model::{Mesh, Vec3};
+use powerhouse::wavefield::{
+    BaselineCorrection, EndDisplacement, RecordSignal, Signal, TimeHistory,
+};
+use powerhouse::{Registry, Remark, Results, RunHooks, Scene};
+
+use crate::support::Folder;
+
+const STEP: f64 = 0.02;
+
+const COLUMN: &str = r#"
+title = "column"
+[mesh]
+file = "column.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 2e9
+poisson = 0.25
+density = 2600
+[[part]]
+set = "rock"
+material = "rock"
+[output]
+every = 0.05
+[[output.history]]
+name = "base"
+at = [0, 0, 0]
+"#;
+
+/// A burst of 20 s that swells up to a time (s), with a drift that a filter is to take out.
+fn record(swell: f64) -> TimeHistory {
+    let at = |i: usize| {
+        let t = i as f64 * STEP;
+        let envelope = (-((t - swell) / 2.0).powi(2)).exp();
+        envelope * ((7.0 * t).sin() + 0.4 * (2.3 * t).cos() + 0.03)
+    };
+    TimeHistory::new(STEP, (0..1000).map(at).collect()).unwrap()
+}
+
+fn filtered(history: &TimeHistory, corner: f64) -> (RecordSignal, f64) {
+    let correction = BaselineCorrection::HighPass { corner, order: 2 };
+    let (history, report) = history.corrected(correction).unwrap();
+    let signal = history.into_signal(EndDisplacement::Zero).unwrap();
+    (signal, report.leading_pad)
+}
+
+/// Reads the scene of a column whose base moves by records, each along an axis: of a corner frequency (Hz)
+/// of their filters and a time (s) to which they swell.
+fn column(records: &[(usize, f64, f64)], duration: f64) -> Scene {
+    let folder = Folder::new("base");
+    let (high, counts) = (Vec3::new(10.0, 10.0, 60.0), [1, 1, 3]);
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), high, counts, "rock").unwrap();
+    write_gmsh(folder.0.join("column.msh"), &mesh).unwrap();
+    let mut text = format!("{COLUMN}[time]\nduration = {duration}\n");
+    for &(axis, corner, swell) in records {
+        let samples = record(swell).acceleration().into_iter();
+        let lines: String = samples.map(|a| format!("{a:e}\n")).collect();
+        std::fs::write(folder.0.join(format!("{axis}.txt")), lines).unwrap();
+        let direction = Vec3::ith(axis, 1.0);
+        let [x, y, z] = direction.into();
+        text += &format!(
+            "[[record]]\nname = \"r{axis}\"\nfile = \"{axis}.txt\"\nunits = \"m/s2\"\n\
+             time_step = {STEP}\nconvention = \"incident\"\n\
+             baseline = {{ kind = \"high-pass\", corner = {corner}, order = 2 }}\n\
+             [[support]]\nkind = \"prescribed\"\nset = \"bottom\"\ndirection = [{x}, {y}, {z}]\n\
+             record = \"r{axis}\"\n"
+        );
+    }
+    Scene::from_toml(text, folder.0.join("column.toml"), &Registry::default()).unwrap()
+}
+
+fn run(scene: Scene) -> (Vec<Remark>, Results) {
+    let simulation = scene.prepare().unwrap();
+    let remarks = simulation.remarks().to_vec();
+    (remarks, simulation.run(RunHooks::default()).unwrap())
+}
+
+fn padding(remarks: &[Remark]) -> Option<f64> {
+    remarks.iter().find_map(|remark| match remark {
+        Remark::QuietMotion { padding, .. } => Some(*padding),
+        _ => None,
+    })
+}
+
+/// The base moves as the filtered record does from its own start on, let in without a blow; where the
+/// filter's ringing before that is not quiet, all records come later alike, by the least time for which it
+/// is, and this is said.
+#[test]
+fn the_base_moves_from_the_start_of_its_record() {
+    const QUIET: f64 = 1e-4;
+    for records in [
+        vec![(0, 2.0, 10.0)],
+        vec![(1, 0.2, 6.0)],
+        vec![(0, 0.2, 6.0), (2, 1.0, 9.0)],
+    ] {
+        let (remarks, results) = run(column(&records, 12.0));
+        let padding = padding(&remarks).unwrap_or(0.0);
+        let (mut most_before, mut most_just_before) = (0.0_f64, 0.0_f64);
+        for &(axis, corner, swell) in &records {
+            let (signal, lead) = filtered(&record(swell), corner);
+            let name = ["base.ux", "base.uy", "base.uz"][axis];
+            let column = results.histories.column(name).unwrap();
+            let peak = signal.report().peak_displacement;
+            for (time, found) in results.histories.times.iter().zip(&column.values) {
+                let expected = signal.motion(time + lead - padding).displacement;
+                // Let in over half a period of the corner, while it is quiet.
+                let share = if *time < 0.5 / corner { QUIET } else { 1e-9 };
+                let error = (found - expected).abs();
+                assert!(error < share * peak, "{name} {time} {found} {expected}");
+            }
+            // A displacement that is there at once would be a blow.
+            let velocity = results.histories.column(&name.replace(".u", ".v")).unwrap();
+            let early = results.histories.times.iter().zip(&velocity.values);
+            let early = early.filter(|(time, _)| **time < 0.5 / corner);
+            let blow = early.fold(0.0_f64, |most, (_, v)| most.max(v.abs()));
+            assert!(blow < 1e-3 * signal.report().peak_velocity, "{name}: {blow}");
+            let most = column.values.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+            assert!(most > 0.5 * peak, "{name}: {most} of {peak}");
+            let report = signal.report();
+            let level = |time: f64| {
+                let motion = signal.motion(time);
+                let displacement = (motion.displacement / report.peak_displacement).abs();
+                displacement.max((motion.velocity / report.peak_velocity).abs())
+            };
+            let start = lead - padding + 0.5 / corner;
+            let before = (0..=(start / STEP) as usize).map(|i| level(start - i as f64 * STEP));
+            most_before = before.fold(most_before, f64::max);
+            most_just_before = most_just_before.max(level(start + STEP)).max(level(start));
+        }
+        assert!(most_before < QUIET, "{most_before}");
+        if padding > 0.0 {
+            assert!(most_just_before >= QUIET, "{padding}: {most_just_before}");
+        }
+        assert_eq!(padding > 0.0, records[0].1 < 1.0, "{padding}");
+    }
+}
+
+/// The line of a record tells how long before its own start it begins, and a run that ends before most of
+/// a record has come is warned of, with the time that would do.
+#[test]
+fn leads_and_ends_are_said() {
+    let said = |duration: f64| {
+        let scene = column(&[(0, 0.5, 12.0)], duration).prepare().unwrap();
+        let lines = scene.remarks().iter().map(|remark| (remark.is_warning(), remark.to_string()));
+        lines.collect::<Vec<_>>()
+    };
+    let (_, lead) = filtered(&record(12.0), 0.5);
+    let record = |line: &&(bool, String)| line.1.starts_with("record 'r0': PGA");
+    let lines = said(20.0);
+    let line = &lines.iter().find(record).unwrap().1;
+    assert!(line.contains(&format!("begins {lead:.3} s before its own start")), "{line}");
+    let short = |line: &&(bool, String)| line.0 && line.1.contains("before record 'r0' at");
+    assert!(!lines.iter().any(|line| short(&line)), "{lines:?}");
+    let lines = said(8.0);
+    let line = &lines.iter().find(short).unwrap().1;
+    assert!(line.contains("the run ends at 8.000 s"), "{line}");
+}
