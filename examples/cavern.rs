@@ -76,7 +76,7 @@ fn composed(data: &Path) -> Outcome<Scene> {
         .part(Part::new("lining", concrete).kernel(SolidKernel::Hex8Full))
         .field(wave)
         .boundary(
-            Boundary::new(ViscousSpring::default(), faces).scatterer(Vec3::new(0.0, 0.0, -76.0)),
+            Boundary::new(ViscousSpring::paper(), faces).scatterer(Vec3::new(0.0, 0.0, -76.0)),
         )
         .output(
             OutputPlan::default()

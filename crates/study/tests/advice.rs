@@ -12,7 +12,7 @@ use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
 use powerhouse::{Boundary, Material, OutputPlan, Part, Registry, RunHooks, Scene};
-use powerhouse_study::advice::{BoundaryKind, Drive, Setting};
+use powerhouse_study::advice::{BoundaryKind, Drive, Obstacle, Setting};
 use powerhouse_study::{BoundaryAdvice, OpeningSlice, StudyError, advise_boundary, advise_box};
 
 const ROCK: ElasticMedium = ElasticMedium {
@@ -299,4 +299,98 @@ fn what_advice_needs_is_asked_for() {
     for wrong in [0.0, -0.1, 1.5, f64::NAN] {
         assert!(advise_boundary(&cube(true), wrong).is_err(), "{wrong}");
     }
+}
+
+/// Under a P wave at 30 degrees the dashpots that springs have by default, B = 1, leave about half the error of
+/// the paper's B = 1.1; what is predicted of a scene as it stands is that of the B which it has.
+#[test]
+fn the_default_boundary_errs_half_as_much_as_the_papers() {
+    for (depth, half_width) in [(4.0, 12.0), (9.0, 16.0)] {
+        let opening = OpeningSlice {
+            depth,
+            half_width,
+            height: depth + 10.0,
+            ..OPENING
+        };
+        let folder = Folder::new("default", &opening.mesh().unwrap());
+        let read = |ratio: &str| {
+            let boundary = BOUNDARY.replace("-4]", &format!("-{depth}]\n{ratio}"));
+            let text = format!("{TEXT}{boundary}").replace("incidence = 10", "incidence = 30");
+            let path = folder.0.join("scene.toml");
+            Scene::from_toml(text, path, &Registry::default()).unwrap()
+        };
+        let advice = advise_boundary(&read(""), 0.9).unwrap();
+        let error = |speed_ratio: f64| {
+            let kind = BoundaryKind::Springs { speed_ratio };
+            let found = advice.candidates.iter().find(|c| c.kind == kind);
+            found.unwrap().predicted
+        };
+        let share = error(1.0) / error(1.1);
+        println!("{depth} m: {:.4} of {:.4}", error(1.0), error(1.1));
+        assert!((0.2..0.75).contains(&share), "{share}");
+        for (ratio, expected) in [("", 1.0), ("b = \"paper\"", 1.1), ("b = 1.1", 1.1)] {
+            let found = advise_box(&read(ratio), 0.9).unwrap().as_it_stands;
+            assert_eq!(found, error(expected), "{ratio}");
+        }
+    }
+}
+
+/// A mesh whose elements do not stand in plane layers is not offered to be cut off: its new faces would have
+/// steps, on which a boundary cannot stand. The reason is told; one in plane layers is cut.
+#[test]
+fn a_box_with_steps_is_not_offered() {
+    let wide = OpeningSlice {
+        half_width: 20.0,
+        height: 20.0,
+        ..OPENING
+    };
+    let plane = wide.mesh().unwrap();
+    // The outer faces and the surroundings of the opening stay.
+    let wavy = |p: Vec3| {
+        let inside = (p.z * (p.z + 20.0) / 100.0) * (1.0 - (p.x / 20.0).powi(2));
+        let far = ((p.x.hypot(p.z + 4.0) - 4.0) / 3.0).clamp(0.0, 1.0);
+        p + Vec3::z() * (inside * far * 1.1 * (1.3 * p.x).sin())
+    };
+    let wavy = plane.clone().map_positions(wavy).unwrap();
+    for (name, mesh, cut) in [("plane", plane, true), ("wavy", wavy, false)] {
+        let folder = Folder::new(name, &mesh);
+        let advice = advise_box(&folder.read(BOUNDARY), 0.9).unwrap();
+        assert_eq!(advice.table().is_some(), cut, "{advice}");
+        if !cut {
+            let steps = matches!(&advice.obstacle, Some(Obstacle::Steps { face }) if face == "bottom");
+            assert!(steps, "{:?}", advice.obstacle);
+            assert!(advice.to_string().contains("would have steps"), "{advice}");
+        }
+    }
+}
+
+/// Sums of lengths that rounding leaves a little too short are accepted, as of any mesh whose ends are not
+/// whole numbers; faces at the bottom alone are refused as what they are.
+#[test]
+fn rounding_and_faces_at_the_bottom_are_told_apart() {
+    let mut short = 0;
+    for i in 0..400 {
+        let (depth, height) = (20.0 + 0.0137 * f64::from(i), 60.0);
+        let below: f64 = height - depth;
+        let square = 4.0;
+        let slice = OpeningSlice {
+            depth,
+            height: depth + below,
+            half_width: 16.0,
+            coarse: [4.0, below - square],
+            ..OPENING
+        };
+        if slice.height < slice.depth + square + slice.coarse[1] {
+            short += 1;
+            assert!(slice.mesh().is_ok(), "{slice:?}");
+        }
+    }
+    assert!(short > 0);
+    let folder = Folder::new("bottom", &OPENING.mesh().unwrap());
+    let bottom = BOUNDARY.replace("[\"left\", \"right\", \"bottom\"]", "[\"bottom\"]");
+    let text = format!("{TEXT}{bottom}").replace("incidence = 10", "incidence = 0");
+    let path = folder.0.join("scene.toml");
+    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    let refused = advise_boundary(&scene, 0.05).unwrap_err();
+    assert!(matches!(&refused, StudyError::NoSides { faces } if faces == &["bottom"]), "{refused}");
 }

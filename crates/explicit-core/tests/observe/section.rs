@@ -435,10 +435,13 @@ fn impossible_cuts_are_refused() {
         within: Some((Vec3::repeat(5.0), Vec3::repeat(6.0))),
         ..cut()
     };
+    let told = refused(boxed);
     assert!(matches!(
-        refused(boxed),
+        told,
         Some(ObserveError::EmptyCut { outside: true, .. })
     ));
+    // What is to blame has its name.
+    assert!(told.is_some_and(|error| error.to_string().contains("`reach`")));
     assert!(refused(cut()).is_none());
     assert!(
         matches!(refused(cut()), Some(ObserveError::NameTwice { name }) if name == "cut.axial")

@@ -5,9 +5,9 @@ use powerhouse::model::{Mesh, Vec3};
 use powerhouse::wavefield::{
     BaselineCorrection, EndDisplacement, RecordSignal, Signal, TimeHistory,
 };
-use powerhouse::{Registry, Remark, Results, RunHooks, Scene};
+use powerhouse::{Error, Registry, Remark, Results, RunHooks, Scene};
 
-use crate::support::Folder;
+use crate::support::{Folder, Variants, WAVE};
 
 const STEP: f64 = 0.02;
 
@@ -158,4 +158,29 @@ fn leads_and_ends_are_said() {
     let lines = said(8.0);
     let line = &lines.iter().find(short).unwrap().1;
     assert!(line.contains("the run ends at 8.000 s"), "{line}");
+}
+
+/// A wave that a filter's ringing does not let begin quietly is refused with what would help; one whose record
+/// no filter touches is not told of filters.
+#[test]
+fn a_filter_that_rings_too_long_is_named() {
+    let variants = Variants::new("rings");
+    let lines: String = record(10.0).acceleration().iter().map(|a| format!("{a:e}\n")).collect();
+    std::fs::write(variants.0.0.join("r.txt"), lines).unwrap();
+    let refused = |baseline: &str| {
+        let keys = format!(
+            "[[record]]\nname = \"r\"\nfile = \"r.txt\"\nunits = \"m/s2\"\ntime_step = {STEP}\n\
+             convention = \"incident\"\nbaseline = {baseline}\n\
+             [[wave]]\nkind = \"sv\"\nincidence = 20\nrecord = \"r\"\n"
+        );
+        match variants.read(WAVE, &keys) {
+            Err(Error::Scene(fault)) => Some(fault.render(false)),
+            Err(other) => panic!("{other}"),
+            Ok(_) => None,
+        }
+    };
+    let shown = refused("{ kind = \"high-pass\", corner = 0.03, order = 2 }").unwrap();
+    assert!(shown.contains("s of padding"), "{shown}");
+    assert!(shown.contains("`corner`") && shown.contains("velocity-polynomial"), "{shown}");
+    assert_eq!(refused("{ kind = \"velocity-polynomial\", order = 5 }"), None);
 }
