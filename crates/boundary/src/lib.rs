@@ -87,8 +87,9 @@
 //! without bound.
 //!
 //! *B = 1 is the default*, the impedance of plane waves. The paper advises 1.1
-//! ([`ViscousSpring::paper`], `b = "paper"` in scenes), which returns 4.8 % of all that arrives straight on;
-//! under a P wave at 30 degrees a cavity then errs by twice as much.
+//! ([`ViscousSpring::paper`], `b = "paper"` in scenes), which returns 4.8 % of all that arrives straight on
+//! and, from about `w r/cp` = 10 up, half as much again of a P wave at 30 degrees. Nearer to the
+//! structure the springs return most, and the two err alike.
 //!
 //! *Slices take half the springs*: a cylindrical wave decays with the root of the distance, a
 //! spherical one with the distance, and the spring that balances the decay is half as stiff.

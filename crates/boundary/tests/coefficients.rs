@@ -91,7 +91,10 @@ fn faces_have_the_springs_and_dashpots_of_the_paper() {
 #[test]
 fn dashpots_have_the_impedance_of_plane_waves_by_default() {
     let (default, paper) = (ViscousSpring::default(), ViscousSpring::paper());
-    let (default, paper) = (build(&default, &corner_site()), build(&paper, &corner_site()));
+    let (default, paper) = (
+        build(&default, &corner_site()),
+        build(&paper, &corner_site()),
+    );
     let viscous = build(&Viscous::default(), &corner_site());
     for (own, (paper, viscous)) in default.iter().zip(paper.iter().zip(&viscous)) {
         assert_eq!(own.spring, paper.spring);

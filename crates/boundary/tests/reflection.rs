@@ -142,3 +142,23 @@ fn impossible_angles_and_frequencies_are_refused() {
     assert!(reflection(&medium, &face, Sv, -0.1, 1.0).is_err());
     assert!(reflection(&medium, &face, P, 0.1, f64::NAN).is_err());
 }
+
+/// Where springs are soft against dashpots, B = 1 returns less than two thirds of what the paper's B = 1.1
+/// returns of a P wave that arrives at 30 degrees, for any Poisson's ratio of rock.
+#[test]
+fn plane_wave_impedance_returns_less_than_the_papers_dashpots() {
+    for poisson in [0.15, 0.25, 0.3] {
+        let medium = ElasticMedium::new(1.0e10, poisson, 2700.0).unwrap();
+        for number in [10.0, 30.0, 100.0] {
+            let frequency = number * medium.p_speed() / 100.0;
+            let returned = |ratio: f64| {
+                let face = FaceCoefficients::viscous_spring(&medium, 0.8, ratio, 100.0);
+                let angle = 30.0_f64.to_radians();
+                let found = reflection(&medium, &face, P, angle, frequency).unwrap();
+                found.p.norm().hypot(found.sv.norm())
+            };
+            let share = returned(1.0) / returned(1.1);
+            assert!(share < 0.67, "{poisson} {number}: {share}");
+        }
+    }
+}

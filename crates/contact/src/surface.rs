@@ -113,7 +113,9 @@ impl JointSurface {
         for (&nodes, corners) in &patches {
             for (patch, (vector, area)) in corners.sums() {
                 pair_of.insert((nodes, patch), surface.pairs.len() as u32);
-                surface.pairs.push(JointPair::of_facets(nodes, vector, area));
+                surface
+                    .pairs
+                    .push(JointPair::of_facets(nodes, vector, area));
             }
             let [a, b] = nodes.map(|node| mesh.positions()[node as usize]);
             let gap = (b - a).norm();

@@ -237,7 +237,10 @@ fn projected_areas_add_up_to_the_vector_area() {
         let split = mesh.split_between(&low, &high).unwrap();
         let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options());
         let surface = surface.unwrap();
-        let facets = split.first.iter().map(|&facet| split.mesh.facet_geometry(facet));
+        let facets = split
+            .first
+            .iter()
+            .map(|&facet| split.mesh.facet_geometry(facet));
         let (mut sum, mut area) = (Vec3::zeros(), 0.0);
         for facet in facets {
             sum += facet.vector_area;
@@ -247,7 +250,10 @@ fn projected_areas_add_up_to_the_vector_area() {
         let found: Vec3 = pairs.map(|pair| pair.normal * pair.projected_area).sum();
         assert!((found - sum).norm() < 1e-12 * area, "{found} {sum}");
         assert!((surface.area() - area).abs() < 1e-12 * area);
-        let least = surface.pairs.iter().map(|pair| pair.projected_area / pair.area);
+        let least = surface
+            .pairs
+            .iter()
+            .map(|pair| pair.projected_area / pair.area);
         let least = least.fold(f64::INFINITY, f64::min);
         assert_eq!(least < 1.0, rise > 0.0, "{least}");
     }

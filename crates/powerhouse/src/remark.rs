@@ -273,6 +273,9 @@ impl Remark {
             Self::Record { .. }
             | Self::RecordFile { .. }
             | Self::Conversion { .. }
+            | Self::QuietMotion { .. }
+            | Self::CutShort { .. }
+            | Self::TurnedAxis { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointAnew { .. } => Topic::Joints,
@@ -290,7 +293,11 @@ impl Remark {
     /// Whether it is a doubt about the result, not only a fact.
     pub fn is_warning(&self) -> bool {
         match self {
-            Self::QuietMotion { padding, waves: Some(waves), .. } => padding != waves,
+            Self::QuietMotion {
+                padding,
+                waves: Some(waves),
+                ..
+            } => padding != waves,
             Self::DampedRim { .. }
             | Self::LargeSlip { .. }
             | Self::TetrahedralSection { .. }
@@ -346,7 +353,10 @@ impl fmt::Display for Remark {
                     )?;
                     if baseline.leading_pad > 0.0 {
                         let pad = baseline.leading_pad;
-                        write!(f, " and begins {pad:.3} s before its own start with what the filter put there")?;
+                        write!(
+                            f,
+                            " and begins {pad:.3} s before its own start with what the filter put there"
+                        )?;
                     }
                 }
                 Ok(())
@@ -392,13 +402,22 @@ impl fmt::Display for Remark {
                 records,
                 waves,
             } => {
-                write!(f, "prescribed motions come {padding:.3} s later so that the body may start at rest, the duration stays")?;
+                write!(
+                    f,
+                    "prescribed motions come {padding:.3} s later so that the body may start at rest, the duration stays"
+                )?;
                 for (name, level) in records {
-                    write!(f, "; what the filter put before record '{name}' has {level:.1e} of its peak at its own start")?;
+                    write!(
+                        f,
+                        "; what the filter put before record '{name}' has {level:.1e} of its peak at its own start"
+                    )?;
                 }
                 match waves {
                     Some(waves) if waves != padding => {
-                        write!(f, "; the waves come {waves:.3} s later: the two no longer fit together")
+                        write!(
+                            f,
+                            "; the waves come {waves:.3} s later: the two no longer fit together"
+                        )
                     }
                     _ => Ok(()),
                 }
@@ -480,7 +499,10 @@ impl fmt::Display for Remark {
                 stage,
                 renewal,
             } => {
-                write!(f, "opening, slip and energies of joint '{joint}' count from ")?;
+                write!(
+                    f,
+                    "opening, slip and energies of joint '{joint}' count from "
+                )?;
                 match stage {
                     Some(stage) => write!(f, "where it stood before the stage '{stage}'")?,
                     None => write!(f, "where it stood when the body started to move")?,

@@ -147,7 +147,9 @@ pub enum StudyError {
         faces: Vec<String>,
     },
     /// Absorbing faces before several media.
-    #[error("the absorbing faces stand before several media: {media}; a prediction knows ground of one")]
+    #[error(
+        "the absorbing faces stand before several media: {media}; a prediction knows ground of one"
+    )]
     SeveralMedia {
         /// The parts with the faces before them.
         media: String,

@@ -350,8 +350,15 @@ fn the_law_of_the_paper_is_the_same_for_connected_pairs() {
         let mut kinds = [false; 3];
         for (step, (a, b)) in alone.iter().zip(&group).enumerate() {
             let states = (a.state.contact, a.state.bond);
-            assert_eq!(states, (b.state.contact, b.state.bond), "{step}: {a:?} {b:?}");
-            assert!((a.traction - b.traction).norm() < 1.0, "{step}: {a:?} {b:?}");
+            assert_eq!(
+                states,
+                (b.state.contact, b.state.bond),
+                "{step}: {a:?} {b:?}"
+            );
+            assert!(
+                (a.traction - b.traction).norm() < 1.0,
+                "{step}: {a:?} {b:?}"
+            );
             let broken = a.state.bond == Bond::Broken;
             kinds[0] |= broken && a.state.contact == ContactState::Slide && a.traction.x > 1.0e3;
             kinds[1] |= a.state.contact == ContactState::Open;
@@ -366,12 +373,19 @@ fn the_law_of_the_paper_is_the_same_for_connected_pairs() {
 #[test]
 fn pressure_on_facets_at_an_angle_reads_as_itself() {
     const PRESSURE: f64 = 4.0e3;
-    for (degrees, shares) in [(36.0_f64, [0.5, 0.5]), (20.0, [0.3, 1.1]), (40.0, [2.0, 0.1])] {
+    for (degrees, shares) in [
+        (36.0_f64, [0.5, 0.5]),
+        (20.0, [0.3, 1.1]),
+        (40.0, [2.0, 0.1]),
+    ] {
         let half = 0.5 * degrees.to_radians();
-        let normals = [-half, half].map(|angle| Vec3::new(angle.sin(), 0.1, angle.cos()).normalize());
+        let normals =
+            [-half, half].map(|angle| Vec3::new(angle.sin(), 0.1, angle.cos()).normalize());
         let vector = normals[0] * shares[0] + normals[1] * shares[1];
         let pair = JointPair::of_facets([0, 1], vector, shares[0] + shares[1]);
-        assert!(pair.projected_area < pair.area && (pair.projected_area - vector.norm()).abs() < 1e-15);
+        assert!(
+            pair.projected_area < pair.area && (pair.projected_area - vector.norm()).abs() < 1e-15
+        );
         for unequal in [0.0, 1e-6] {
             for (shear, slides) in [(0.499, false), (0.501, true)] {
                 let mut bodies = Bodies::at_rest(&[2.0, 5.0], 1e-3);
@@ -384,8 +398,15 @@ fn pressure_on_facets_at_an_angle_reads_as_itself() {
                 let of_body = |body| if body == 1 { force } else { Vec3::zeros() };
                 bodies.step(&mut joint, of_body).unwrap();
                 let record = joint.records()[0];
-                assert!((record.traction.x / -PRESSURE - 1.0).abs() < 1e-6, "{record:?}");
-                assert_eq!(record.state.contact == ContactState::Slide, slides, "{record:?}");
+                assert!(
+                    (record.traction.x / -PRESSURE - 1.0).abs() < 1e-6,
+                    "{record:?}"
+                );
+                assert_eq!(
+                    record.state.contact == ContactState::Slide,
+                    slides,
+                    "{record:?}"
+                );
             }
         }
     }

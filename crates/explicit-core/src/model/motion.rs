@@ -313,8 +313,9 @@ impl Model {
         let mut constraints = core::mem::take(&mut self.constraints);
         let found = constraints.iter_mut().any(|bound| {
             let nodes = bound.nodes().iter();
-            let displacement: Vec<Vec3> =
-                nodes.map(|&node| self.displacement_of(node as usize)).collect();
+            let displacement: Vec<Vec3> = nodes
+                .map(|&node| self.displacement_of(node as usize))
+                .collect();
             bound.constraint.renew(joint, renewal, &displacement)
         });
         self.constraints = constraints;

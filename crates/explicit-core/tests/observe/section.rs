@@ -429,7 +429,9 @@ fn impossible_cuts_are_refused() {
         ));
     }
     for x in [-1.0, 2.5, f64::NAN] {
-        assert!(matches!(refused(cut_at(x)), Some(ObserveError::EmptyCut { cut, outside: false }) if cut == "cut"));
+        assert!(
+            matches!(refused(cut_at(x)), Some(ObserveError::EmptyCut { cut, outside: false }) if cut == "cut")
+        );
     }
     let boxed = Cut {
         within: Some((Vec3::repeat(5.0), Vec3::repeat(6.0))),

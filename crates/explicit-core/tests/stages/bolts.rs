@@ -566,7 +566,12 @@ fn bolts_go_on_from_a_history() {
             let (forces, energy) = go(first.as_mut(), size);
             let (others, other) = go(second.as_mut(), size);
             assert_eq!(energy, other);
-            assert!(forces.iter().zip(&others).all(|(a, b)| a.values == b.values));
+            assert!(
+                forces
+                    .iter()
+                    .zip(&others)
+                    .all(|(a, b)| a.values == b.values)
+            );
         }
     }
 }

@@ -84,7 +84,9 @@ pub enum Problem {
         count: usize,
     },
     /// Absorbing faces in front of several media, where the free field needs one.
-    #[error("the absorbing faces stand before {count} different media; the free field needs one: {media}")]
+    #[error(
+        "the absorbing faces stand before {count} different media; the free field needs one: {media}"
+    )]
     SeveralMedia {
         /// How many.
         count: usize,

@@ -96,7 +96,9 @@ pub(super) fn field(
         let record = component(name, table.component.as_ref(), records)?;
         if told.insert(name.to_string()) {
             let arrival = wave.parameters().arrival;
-            scene.remarks.extend(cut_short(name, record, arrival, &scene));
+            scene
+                .remarks
+                .extend(cut_short(name, record, arrival, &scene));
         }
     }
     let driven = scene.plane_waves(waves);

@@ -218,7 +218,13 @@ fn arrivals(
         let (signal, report) = (signal(name, record)?, record.report);
         let level = |time: f64| {
             let motion = signal.motion(time);
-            let over = |value: f64, peak: f64| if value == 0.0 { 0.0 } else { (value / peak).abs() };
+            let over = |value: f64, peak: f64| {
+                if value == 0.0 {
+                    0.0
+                } else {
+                    (value / peak).abs()
+                }
+            };
             over(motion.displacement, report.peak_displacement)
                 .max(over(motion.velocity, report.peak_velocity))
         };

@@ -87,7 +87,9 @@ impl Scene {
             let is_of = |part: &usize| self.parts[*part].material.medium() == medium;
             let behind = self.parts_behind_boundary()?.into_iter().filter(is_of);
             let behind: Vec<usize> = behind.collect();
-            let names = behind.iter().map(|&part| format!("'{}'", self.parts[part].set));
+            let names = behind
+                .iter()
+                .map(|&part| format!("'{}'", self.parts[part].set));
             let stands = |facets: &[Facet]| {
                 let mut parts = facets.iter().map(|facet| owner[facet.element as usize]);
                 parts.any(|part| part.is_some_and(|part| behind.contains(&part)))

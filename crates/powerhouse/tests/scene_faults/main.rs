@@ -580,8 +580,14 @@ fn a_field_has_one_medium() {
     );
     // Media, faces and ways out are named.
     let shown = fault.render(false);
-    assert!(shown.contains("'rock' (left, right, front, back, bottom), 'lining' (intrados)"), "{shown}");
-    assert!(shown.contains("rollers") && shown.contains("`slice`"), "{shown}");
+    assert!(
+        shown.contains("'rock' (left, right, front, back, bottom), 'lining' (intrados)"),
+        "{shown}"
+    );
+    assert!(
+        shown.contains("rollers") && shown.contains("`slice`"),
+        "{shown}"
+    );
 }
 
 /// The message shows the line, points at the place, lists what is permitted and guesses the word

@@ -97,7 +97,7 @@ fn the_base_moves_from_the_start_of_its_record() {
         vec![(1, 0.2, 6.0)],
         vec![(0, 0.2, 6.0), (2, 1.0, 9.0)],
     ] {
-        let (remarks, results) = run(column(&records, 12.0));
+        let (remarks, results) = run(column(&records, 30.0));
         let padding = padding(&remarks).unwrap_or(0.0);
         let (mut most_before, mut most_just_before) = (0.0_f64, 0.0_f64);
         for &(axis, corner, swell) in &records {
@@ -117,8 +117,14 @@ fn the_base_moves_from_the_start_of_its_record() {
             let early = results.histories.times.iter().zip(&velocity.values);
             let early = early.filter(|(time, _)| **time < 0.5 / corner);
             let blow = early.fold(0.0_f64, |most, (_, v)| most.max(v.abs()));
-            assert!(blow < 1e-3 * signal.report().peak_velocity, "{name}: {blow}");
-            let most = column.values.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+            assert!(
+                blow < 1e-3 * signal.report().peak_velocity,
+                "{name}: {blow}"
+            );
+            let most = column
+                .values
+                .iter()
+                .fold(0.0_f64, |most, u| most.max(u.abs()));
             assert!(most > 0.5 * peak, "{name}: {most} of {peak}");
             let report = signal.report();
             let level = |time: f64| {
@@ -145,14 +151,20 @@ fn the_base_moves_from_the_start_of_its_record() {
 fn leads_and_ends_are_said() {
     let said = |duration: f64| {
         let scene = column(&[(0, 0.5, 12.0)], duration).prepare().unwrap();
-        let lines = scene.remarks().iter().map(|remark| (remark.is_warning(), remark.to_string()));
+        let lines = scene
+            .remarks()
+            .iter()
+            .map(|remark| (remark.is_warning(), remark.to_string()));
         lines.collect::<Vec<_>>()
     };
     let (_, lead) = filtered(&record(12.0), 0.5);
     let record = |line: &&(bool, String)| line.1.starts_with("record 'r0': PGA");
     let lines = said(20.0);
     let line = &lines.iter().find(record).unwrap().1;
-    assert!(line.contains(&format!("begins {lead:.3} s before its own start")), "{line}");
+    assert!(
+        line.contains(&format!("begins {lead:.3} s before its own start")),
+        "{line}"
+    );
     let short = |line: &&(bool, String)| line.0 && line.1.contains("before record 'r0' at");
     assert!(!lines.iter().any(|line| short(&line)), "{lines:?}");
     let lines = said(8.0);
@@ -165,7 +177,11 @@ fn leads_and_ends_are_said() {
 #[test]
 fn a_filter_that_rings_too_long_is_named() {
     let variants = Variants::new("rings");
-    let lines: String = record(10.0).acceleration().iter().map(|a| format!("{a:e}\n")).collect();
+    let lines: String = record(10.0)
+        .acceleration()
+        .iter()
+        .map(|a| format!("{a:e}\n"))
+        .collect();
     std::fs::write(variants.0.0.join("r.txt"), lines).unwrap();
     let refused = |baseline: &str| {
         let keys = format!(
@@ -181,6 +197,12 @@ fn a_filter_that_rings_too_long_is_named() {
     };
     let shown = refused("{ kind = \"high-pass\", corner = 0.03, order = 2 }").unwrap();
     assert!(shown.contains("s of padding"), "{shown}");
-    assert!(shown.contains("`corner`") && shown.contains("velocity-polynomial"), "{shown}");
-    assert_eq!(refused("{ kind = \"velocity-polynomial\", order = 5 }"), None);
+    assert!(
+        shown.contains("`corner`") && shown.contains("velocity-polynomial"),
+        "{shown}"
+    );
+    assert_eq!(
+        refused("{ kind = \"velocity-polynomial\", order = 5 }"),
+        None
+    );
 }

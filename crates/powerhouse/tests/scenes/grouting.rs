@@ -1,8 +1,6 @@
 //! Joints that a stage grouts: where they stand, whatever gap they had, opened or slid before.
 
-use powerhouse::contact::{
-    BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions,
-};
+use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::engine::{NodalForce, SolidKernel, StaticMethod, StaticOptions, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Bond, ContactState, ElasticMedium, JointRecord, Mesh, Vec3};
@@ -35,9 +33,18 @@ struct Blocks {
 }
 
 const SEVERAL: [Blocks; 3] = [
-    Blocks { axis: 2, edge: [1.0, 1.0] },
-    Blocks { axis: 0, edge: [0.4, 1.5] },
-    Blocks { axis: 1, edge: [3.0, 0.7] },
+    Blocks {
+        axis: 2,
+        edge: [1.0, 1.0],
+    },
+    Blocks {
+        axis: 0,
+        edge: [0.4, 1.5],
+    },
+    Blocks {
+        axis: 1,
+        edge: [3.0, 0.7],
+    },
 ];
 
 /// What is done to the blocks.
@@ -54,7 +61,11 @@ impl Blocks {
     }
     /// The stiffness of a layer (N/m) along the axis or across it.
     fn stiffness(&self, direction: usize) -> f64 {
-        let modulus = if direction == self.axis { YOUNG } else { 0.5 * YOUNG };
+        let modulus = if direction == self.axis {
+            YOUNG
+        } else {
+            0.5 * YOUNG
+        };
         modulus * self.area() / self.edge[0]
     }
     fn mesh(&self) -> (Mesh, JointSurface) {
@@ -183,7 +194,10 @@ fn a_grouted_joint_keeps_its_bond() {
             let gap = Plan {
                 gap: 0.005,
                 loose: false,
-                stages: vec![stage("ground", GRADIENTS), stage("grout", method).bond("seam")],
+                stages: vec![
+                    stage("ground", GRADIENTS),
+                    stage("grout", method).bond("seam"),
+                ],
             };
             intact(&run(blocks.scene(gap, None)));
             let at_once = Plan {
@@ -244,7 +258,10 @@ fn a_grouted_joint_breaks_at_its_strength() {
                 let free = 1.001 * full / blocks.stiffness(blocks.axis);
                 for record in seen(&breaks).0 {
                     assert_eq!(record.state.bond, Bond::Broken, "{record:?}");
-                    assert!((record.opening / free - 1.0).abs() < 1e-4, "{record:?} {free}");
+                    assert!(
+                        (record.opening / free - 1.0).abs() < 1e-4,
+                        "{record:?} {free}"
+                    );
                 }
             }
         }
@@ -298,7 +315,10 @@ fn a_joint_that_slid_is_grouted_where_it_is() {
             intact(&holds);
             for record in seen(&holds).0 {
                 let [_, first, second] = record.closed_at.unwrap();
-                assert!((first.hypot(second) / slid - 1.0).abs() < 1e-4, "{record:?}");
+                assert!(
+                    (first.hypot(second) / slid - 1.0).abs() < 1e-4,
+                    "{record:?}"
+                );
                 let shear = record.traction.y.hypot(record.traction.z) / STRENGTH;
                 assert!((shear - 0.999).abs() < 1e-5, "{record:?}");
             }
@@ -332,8 +352,14 @@ fn a_joint_that_slid_is_grouted_where_it_is() {
         assert!(seen(&loose).0.iter().all(slid));
         for record in seen(&grouted).0 {
             let [_, first, second] = record.closed_at.unwrap();
-            assert!(first.hypot(second) > 0.5 * slid_by(&blocks, along, full), "{record:?}");
-            assert!(record.traction.y.hypot(record.traction.z) > 0.1 * STRENGTH, "{record:?}");
+            assert!(
+                first.hypot(second) > 0.5 * slid_by(&blocks, along, full),
+                "{record:?}"
+            );
+            assert!(
+                record.traction.y.hypot(record.traction.z) > 0.1 * STRENGTH,
+                "{record:?}"
+            );
         }
     }
 }
@@ -351,7 +377,11 @@ fn grouting_is_carried_over() {
             loose: true,
             stages: vec![
                 blocks.pull(stage("ground", RELAXED), load, None),
-                if grouts { grout.bond("seam") } else { stage("grout", RELAXED) },
+                if grouts {
+                    grout.bond("seam")
+                } else {
+                    stage("grout", RELAXED)
+                },
                 stage("wait", RELAXED),
                 stage("wait again", RELAXED),
             ],
@@ -364,15 +394,33 @@ fn grouting_is_carried_over() {
     body.write(&file).unwrap();
     let back = BodyAtRest::read(&file).unwrap();
     assert_eq!(back, body);
-    assert!(back.state().joints[0].records.iter().all(|record| record.closed_at.is_some()));
-    let hooks = RunHooks { at_rest: Some(back), ..RunHooks::default() };
-    let resumed = blocks.scene(plan(true), None).prepare().unwrap().run(hooks).unwrap();
+    assert!(
+        back.state().joints[0]
+            .records
+            .iter()
+            .all(|record| record.closed_at.is_some())
+    );
+    let hooks = RunHooks {
+        at_rest: Some(back),
+        ..RunHooks::default()
+    };
+    let resumed = blocks
+        .scene(plan(true), None)
+        .prepare()
+        .unwrap()
+        .run(hooks)
+        .unwrap();
     intact(&resumed);
     let whole = run(blocks.scene(plan(true), None));
     assert_eq!(resumed.joints, whole.joints);
     assert_eq!(resumed.joint_histories, whole.joint_histories);
     let never = run(blocks.scene(plan(false), None));
-    assert!(seen(&never).0.iter().all(|record| record.closed_at.is_none()));
+    assert!(
+        seen(&never)
+            .0
+            .iter()
+            .all(|record| record.closed_at.is_none())
+    );
 }
 
 /// A tie holds a joint where it stands. Taken off it leaves it as it was given, its gap counted from there,
@@ -392,8 +440,14 @@ fn ties_and_grouting_in_any_order() {
         };
         for (loose, gap) in [(true, 0.0), (false, 0.002)] {
             for stages in [
-                vec![stage("tie", GRADIENTS).tie("seam"), stage("grout", GRADIENTS).bond("seam")],
-                vec![stage("grout", GRADIENTS).bond("seam"), stage("tie", GRADIENTS).tie("seam")],
+                vec![
+                    stage("tie", GRADIENTS).tie("seam"),
+                    stage("grout", GRADIENTS).bond("seam"),
+                ],
+                vec![
+                    stage("grout", GRADIENTS).bond("seam"),
+                    stage("tie", GRADIENTS).tie("seam"),
+                ],
                 vec![
                     stage("grout", GRADIENTS).bond("seam"),
                     stage("tie", GRADIENTS).tie("seam"),
@@ -420,7 +474,11 @@ fn ties_and_grouting_in_any_order() {
 fn from_where_joints_count_is_said() {
     let blocks = SEVERAL[0];
     let said = |stages: Vec<SceneStage>| {
-        let plan = Plan { gap: 0.001, loose: false, stages };
+        let plan = Plan {
+            gap: 0.001,
+            loose: false,
+            stages,
+        };
         let simulation = blocks.scene(plan, None).prepare().unwrap();
         let remarks = simulation.remarks().iter();
         let anew = remarks.filter(|remark| matches!(remark, Remark::JointAnew { .. }));
@@ -428,9 +486,16 @@ fn from_where_joints_count_is_said() {
     };
     assert_eq!(said(vec![stage("ground", GRADIENTS)]), "");
     let grouted = || stage("injection", GRADIENTS).bond("seam");
-    let found = said(vec![stage("ground", GRADIENTS), grouted(), stage("wait", GRADIENTS)]);
+    let found = said(vec![
+        stage("ground", GRADIENTS),
+        grouted(),
+        stage("wait", GRADIENTS),
+    ]);
     let expected = "joint 'seam' count from where it stood before the stage 'injection'";
-    assert!(found.contains(expected) && found.contains("grouted"), "{found}");
+    assert!(
+        found.contains(expected) && found.contains("grouted"),
+        "{found}"
+    );
     let found = said(vec![stage("ground", GRADIENTS).tie("seam")]);
     assert!(found.contains("when the body started to move"), "{found}");
 }

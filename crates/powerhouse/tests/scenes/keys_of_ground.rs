@@ -335,11 +335,13 @@ fn conventions() {
 fn turned_axes_are_warned_of() {
     let variants = Variants::new("axes");
     std::fs::write(variants.0.0.join("one.txt"), text(&samples(90))).unwrap();
-    let within = |component: &str| format!("{{ within = {{ depth = 80, component = \"{component}\" }} }}");
+    let within =
+        |component: &str| format!("{{ within = {{ depth = 80, component = \"{component}\" }} }}");
     let names = ["x", "y", "z", "along", "across"];
-    let conventions = names.map(|name| (name, within(name))).into_iter().chain(
-        names.map(|name| (name, format!("\"surface-{name}\""))),
-    );
+    let conventions = names
+        .map(|name| (name, within(name)))
+        .into_iter()
+        .chain(names.map(|name| (name, format!("\"surface-{name}\""))));
     for (name, convention) in conventions.chain([("", "\"outcrop\"".to_owned())]) {
         let kind = match name {
             "y" | "across" => "sh",
@@ -352,9 +354,10 @@ fn turned_axes_are_warned_of() {
                  [[wave]]\nkind = \"{kind}\"\nincidence = 20\nazimuth = {azimuth}\nrecord = \"r\"\n"
             );
             let scene = variants.read(WAVE, &keys).unwrap();
-            let warned = scene.remarks().iter().any(|remark| {
-                matches!(remark, Remark::TurnedAxis { .. }) && remark.is_warning()
-            });
+            let warned = scene
+                .remarks()
+                .iter()
+                .any(|remark| matches!(remark, Remark::TurnedAxis { .. }) && remark.is_warning());
             let expected = azimuth % 360.0 != 0.0 && ["x", "y"].contains(&name);
             assert_eq!(warned, expected, "{convention} {azimuth}");
         }

@@ -254,13 +254,19 @@ fn ground_has_no_stress_above_its_level() {
         });
         assert_eq!(warned, level < height);
         let stresses = Stresses::default();
-        simulation.bring_to_rest(None, Some(Box::new(stresses.clone()))).unwrap();
+        simulation
+            .bring_to_rest(None, Some(Box::new(stresses.clone())))
+            .unwrap();
         // The weight above an element: what its own ground left out, elastic under fixed sides.
         for (z, stress) in stresses.0.lock().unwrap().iter() {
             let own = WEIGHT * (level - z).max(0.0);
             let all = WEIGHT * (height - z);
             let lateral = LATERAL * own + NU / (1.0 - NU) * (all - own);
-            for (found, expected) in [(stress[2], -all), (stress[0], -lateral), (stress[1], -lateral)] {
+            for (found, expected) in [
+                (stress[2], -all),
+                (stress[0], -lateral),
+                (stress[1], -lateral),
+            ] {
                 // The level cuts no element, or the middle of one half below it.
                 let error = (found - expected).abs() / (WEIGHT * height);
                 assert!(error < 1e-6, "{level} {z}: {found} {expected}");

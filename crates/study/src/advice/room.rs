@@ -98,7 +98,9 @@ pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
     let default = ViscousSpring::default();
     let ratios = (known.unwrap_or(&default).axes).map(|axis| axis.speed_ratio);
     // That of the faces which return most straight on.
-    let worst = ratios.into_iter().max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()));
+    let worst = ratios
+        .into_iter()
+        .max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()));
     BoundaryKind::Springs {
         speed_ratio: worst.unwrap_or(1.0),
     }
@@ -173,7 +175,10 @@ impl<'a> Room<'a> {
     fn accept(&self, (low, high): (&Vec3, &Vec3)) -> Result<(), Obstacle> {
         let (scene, setting) = (self.scene, &self.setting);
         let faces = scene.absorbing_facets().unwrap_or_default();
-        let cut = scene.mesh().within(low, high).map_err(|_| Obstacle::Needed)?;
+        let cut = scene
+            .mesh()
+            .within(low, high)
+            .map_err(|_| Obstacle::Needed)?;
         let mut left = Vec::with_capacity(faces.len());
         for (face, before) in &faces {
             let facets = cut.facet_set(face).unwrap_or_default();
@@ -231,7 +236,9 @@ const STEPPED: f64 = 1e-3;
 
 /// The size of the vector area of facets over their area: 1 for plane ones.
 fn flatness(mesh: &Mesh, facets: &[Facet]) -> f64 {
-    let areas = facets.iter().map(|&facet| mesh.facet_geometry(facet).vector_area);
+    let areas = facets
+        .iter()
+        .map(|&facet| mesh.facet_geometry(facet).vector_area);
     let (sum, all) = areas.fold((Vec3::zeros(), 0.0), |(sum, all), area| {
         (sum + area, all + area.norm())
     });

@@ -108,6 +108,7 @@ impl Setting {
         nodes.sort_unstable();
         nodes.dedup();
         let absorbs = |axis: usize| distances[axis].iter().any(Option::is_some);
+        let drive = drive(scene)?;
         if !absorbs(0) && !absorbs(1) {
             let faces = scene.absorbing_facets().map_err(Error::from)?;
             let faces = faces.iter().map(|(face, _)| (*face).to_owned());
@@ -131,7 +132,7 @@ impl Setting {
             },
             absorbing_nodes: nodes.len(),
             elements: mesh.element_count(),
-            drive: drive(scene)?,
+            drive,
         };
         Ok((setting, scatterers))
     }
