@@ -17,6 +17,8 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
         mesh.node_count(),
         mesh.element_count()
     );
+    // Some remarks need the step.
+    simulation.step()?;
     remarks(simulation.remarks());
     for warning in warnings {
         say!("warning: {warning}");

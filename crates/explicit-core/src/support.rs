@@ -49,6 +49,13 @@ impl Support {
     pub fn nodes(&self) -> &[u32] {
         &self.nodes
     }
+    /// The direction in which the nodes are held, of any length; none if they are held in all directions.
+    pub fn held_direction(&self) -> Option<Vec3> {
+        match self.held {
+            Held::Everything => None,
+            Held::Direction(normal) => Some(normal),
+        }
+    }
     pub(crate) fn directions(&self) -> Result<Vec<Vec3>, EngineError> {
         match self.held {
             Held::Everything => Ok(vec![Vec3::x(), Vec3::y(), Vec3::z()]),

@@ -50,6 +50,7 @@ mod scale;
 mod summary;
 mod table;
 mod vtu;
+mod whole;
 mod xml;
 
 pub use atomic::{free_space, write_whole};
@@ -65,5 +66,6 @@ pub use records::{
     common_length, parse_record, read_record,
 };
 pub use summary::write_summary;
-pub use table::{TableColumn, read_table, write_noted_table, write_table};
+pub use table::{TableColumn, csv_cell, read_table, write_noted_table, write_table};
 pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuNumbers, VtuWriter};
+pub use whole::{Unread, read_whole};

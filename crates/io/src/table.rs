@@ -1,5 +1,6 @@
 //! Histories as comma-separated columns.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -8,7 +9,7 @@ use crate::{IoError, write_whole};
 /// One named column of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableColumn {
-    /// Its name, without commas, quotes or line breaks.
+    /// Its name, without line breaks and other control characters.
     pub name: String,
     /// Its unit, `1` if it has none.
     pub unit: String,
@@ -63,7 +64,7 @@ pub fn write_noted_table(
             });
         }
         for name in [&column.name, &column.unit] {
-            if name.contains([',', '"', '\n', '\r', '[', ']']) {
+            if name.contains(char::is_control) {
                 return Err(IoError::Name {
                     file: file.into(),
                     name: name.clone(),
@@ -79,7 +80,8 @@ pub fn write_noted_table(
             });
         }
         let separator = if index == 0 { "" } else { "," };
-        let _ = write!(text, "{separator}{} [{}]", column.name, column.unit);
+        let head = format!("{} [{}]", column.name, column.unit);
+        let _ = write!(text, "{separator}{}", csv_cell(&head));
     }
     text.push('\n');
     for row in 0..rows {
@@ -90,6 +92,40 @@ pub fn write_noted_table(
         text.push('\n');
     }
     write_whole(file, text.as_bytes())
+}
+
+/// A cell of a CSV file: in quotes, with quotes doubled, if it holds a comma, a quote or a line break
+/// (RFC 4180).
+///
+/// ```
+/// assert_eq!(powerhouse_io::csv_cell("crown"), "crown");
+/// assert_eq!(powerhouse_io::csv_cell("crown, \"left\""), "\"crown, \"\"left\"\"\"");
+/// ```
+pub fn csv_cell(text: &str) -> Cow<'_, str> {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\"")).into()
+    } else {
+        text.into()
+    }
+}
+
+/// The cells of a line of a CSV file, without their quotes.
+fn cells_of(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let (mut quoted, mut characters) = (false, line.chars().peekable());
+    while let Some(character) = characters.next() {
+        let cell = cells.last_mut().expect("one cell at least");
+        match character {
+            '"' if quoted && characters.peek() == Some(&'"') => {
+                characters.next();
+                cell.push('"');
+            }
+            '"' if quoted || cell.is_empty() => quoted = !quoted,
+            ',' if !quoted => cells.push(String::new()),
+            other => cell.push(other),
+        }
+    }
+    cells
 }
 
 /// Reads a table that [`write_table`] wrote.
@@ -109,7 +145,7 @@ pub fn read_table(file: &Path) -> Result<Vec<TableColumn>, IoError> {
         .next()
         .ok_or_else(|| fault(1, "the file is empty".into()))?;
     let mut columns = Vec::new();
-    for cell in header.split(',') {
+    for cell in cells_of(header) {
         let (name, unit) = cell
             .strip_suffix(']')
             .and_then(|cell| cell.rsplit_once(" ["))
@@ -162,6 +198,21 @@ mod tests {
         std::fs::remove_file(file).unwrap();
     }
 
+    /// Names with commas, quotes and brackets are quoted as RFC 4180 says, and read back as they were; plain
+    /// names are written without quotes.
+    #[test]
+    fn names_are_quoted() {
+        let file = temporary("quoted.csv");
+        let names = ["crown, left.ux", "\"a\" [b].uy", "plain", "\"", "a,\"b\",c"];
+        let columns = names.map(|name| TableColumn::new(name, "m", vec![1.0]));
+        write_table(&file, &columns).unwrap();
+        assert_eq!(read_table(&file).unwrap(), columns);
+        let text = std::fs::read_to_string(&file).unwrap();
+        let head = "\"crown, left.ux [m]\",\"\"\"a\"\" [b].uy [m]\",plain [m],";
+        assert!(text.starts_with(head), "{text}");
+        std::fs::remove_file(file).unwrap();
+    }
+
     /// A number that is not finite, a short column and an impossible name are refused by name.
     #[test]
     fn faults_are_named() {
@@ -184,9 +235,9 @@ mod tests {
                 ..
             })
         ));
-        let comma = [TableColumn::new("u,z", "m", vec![])];
+        let broken = [TableColumn::new("u\nz", "m", vec![])];
         assert!(matches!(
-            write_table(&file, &comma),
+            write_table(&file, &broken),
             Err(IoError::Name { .. })
         ));
         assert!(!file.exists());

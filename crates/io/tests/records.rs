@@ -194,7 +194,7 @@ fn damaged_columns() {
         (2, RecordFault::Step { .. })
     ));
     assert_eq!(line_of("1\n2\n").1, RecordFault::NoStep);
-    assert_eq!(line_of("").1, RecordFault::TooShort { found: 0 });
+    assert_eq!(line_of("").1, RecordFault::Empty);
     assert_eq!(
         line_of("# nothing\n\n").1,
         RecordFault::TooShort { found: 0 }

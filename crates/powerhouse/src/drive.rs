@@ -182,10 +182,7 @@ impl Prescribed {
 }
 
 fn read(path: &Path) -> Result<Arc<SceneText>, Error> {
-    let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
-        path: path.into(),
-        source,
-    })?;
+    let text = crate::scene::read_text(path)?;
     Ok(Arc::new(SceneText {
         path: path.into(),
         text,

@@ -7,7 +7,10 @@ use powerhouse_explicit_core::{StageError, StaticError};
 use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
 use thiserror::Error;
 
-use crate::{FolderError, MirrorError, Problem, RegionError, Results, SceneFault, StagingError};
+use crate::{
+    FolderError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError, Results,
+    SceneFault, StagingError,
+};
 
 /// Why a scene cannot be read, composed, run or written.
 #[derive(Debug, Error)]
@@ -87,6 +90,28 @@ pub enum Error {
         field: String,
         /// What is lacking.
         reason: &'static str,
+    },
+    /// A quantity beyond what is usual of ground and structures, in a scene that does not
+    /// [allow](crate::Scene::allow_magnitudes) it.
+    #[error("{magnitude}")]
+    Magnitude {
+        /// The quantity.
+        magnitude: Magnitude,
+        /// What it belongs to.
+        of: MagnitudeOf,
+    },
+    /// A name of which no file of results can be named.
+    #[error(transparent)]
+    Name(#[from] NameError),
+    /// A facet that two absorbing faces have, or one that is named twice: it would absorb twice.
+    #[error("the absorbing faces '{first}' and '{second}' both have a facet of element {element}")]
+    SharedFacet {
+        /// The first face.
+        first: String,
+        /// The second one.
+        second: String,
+        /// The user's number of the element.
+        element: u64,
     },
     /// A facet inside the body among the absorbing ones.
     #[error("the absorbing face '{face}' runs through the body at element {element}")]

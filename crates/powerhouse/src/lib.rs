@@ -50,6 +50,7 @@ mod fault;
 pub mod format;
 mod joint;
 mod known;
+mod magnitude;
 mod output;
 mod part;
 mod reduction;
@@ -57,6 +58,7 @@ mod registry;
 mod remark;
 mod resolve;
 mod scene;
+mod scene_doubt;
 mod simulation;
 mod stage;
 
@@ -73,9 +75,10 @@ pub use drive::{PointPath, PointTest};
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
+pub use magnitude::{Magnitude, MagnitudeOf, Meant};
 pub use output::{
     BoltForces, CutWish, EnergyResidual, EnvelopeWish, FolderError, FolderLock, HistoryWish,
-    JointWish, OutputPlan, RelativeWish, ResultFolder, Results, SnapshotWish, StateWish,
+    JointWish, NameError, OutputPlan, RelativeWish, ResultFolder, Results, SnapshotWish, StateWish,
     StressWish, file_name,
 };
 pub use part::{Kernel, Material, Part};
@@ -86,6 +89,7 @@ pub use scene::{
     Boundary, InitialMotion, LawMemory, Mirror, MirrorError, Parity, RegionError, ResidualLimit,
     Scene, TimeStep,
 };
+pub use scene_doubt::SceneDoubt;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BodyAtRest, BoltPlace, InSituError, InSituStress, SceneBolts, SceneStage, StageAtRest,

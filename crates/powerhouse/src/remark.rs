@@ -7,7 +7,10 @@ use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordRe
 
 use serde::Serialize;
 
-use crate::{DampingCost, Results};
+use crate::{DampingCost, Results, SceneDoubt};
+
+/// Standard gravity (m/s2).
+const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Something that a user should know of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -196,6 +199,8 @@ pub enum Remark {
         /// What is said of it.
         doubt: String,
     },
+    /// Something that can hardly be meant.
+    Doubt(SceneDoubt),
 }
 
 /// What of the results a doubt is about: reports put it there.
@@ -279,7 +284,10 @@ impl Remark {
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointAnew { .. } => Topic::Joints,
-            Self::NoState { .. } => Topic::Histories,
+            Self::NoState { .. } | Self::Doubt(SceneDoubt::ShortInterval { .. }) => Topic::Histories,
+            Self::Doubt(SceneDoubt::HeldField { .. } | SceneDoubt::AbsorbingSurface { .. }) => {
+                Topic::Input
+            }
             _ => Topic::Run,
         }
     }
@@ -298,6 +306,7 @@ impl Remark {
                 waves: Some(waves),
                 ..
             } => padding != waves,
+            Self::Doubt(doubt) => doubt.is_warning(),
             Self::DampedRim { .. }
             | Self::LargeSlip { .. }
             | Self::TetrahedralSection { .. }
@@ -328,6 +337,7 @@ impl Remark {
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Doubt(doubt) => doubt.fmt(f),
             Self::Record {
                 name,
                 report,
@@ -335,8 +345,9 @@ impl fmt::Display for Remark {
             } => {
                 write!(
                     f,
-                    "record '{name}': PGA {:.3} m/s2, PGV {:.4} m/s, PGD {:.4} m; ends at {:.2e} m/s, {:.2e} m",
+                    "record '{name}': PGA {:.3} m/s2 ({:.3} g), PGV {:.4} m/s, PGD {:.4} m; ends at {:.2e} m/s, {:.2e} m",
                     report.peak_acceleration,
+                    report.peak_acceleration / STANDARD_GRAVITY,
                     report.peak_velocity,
                     report.peak_displacement,
                     report.end_velocity,

@@ -17,7 +17,7 @@ use powerhouse_model::{
 use crate::output::{Named, OutputPlan, Recordings, Results};
 use crate::scene::{Places, ResidualLimit, TimeStep, field_motion};
 use crate::stage::{BodyAtRest, Rested, StageSink, Staging};
-use crate::{Error, Remark, SceneText};
+use crate::{SceneDoubt, Error, Remark, SceneText};
 
 /// Energies are looked at after this share of the duration if they are not recorded.
 const LOOKS_SHARE: f64 = 0.01;
@@ -161,18 +161,53 @@ impl Simulation {
         let stable = self.model.stable_step(self.integrator.as_ref());
         stable.map_err(|error| self.source.1.put(&self.source.0, error.into()))
     }
-    /// The step that a run takes (s).
+    /// The step that a run takes (s). Intervals of output that are shorter become remarks.
     ///
     /// # Errors
     /// A given step that is above the stable one, or as [`stable_step`](Self::stable_step).
     pub fn step(&mut self) -> Result<f64, Error> {
-        match self.step {
-            TimeStep::OfStable(share) => Ok(share * self.stable_step()?.step),
+        let step = match self.step {
+            TimeStep::OfStable(share) => share * self.stable_step()?.step,
             TimeStep::Seconds(step) => {
                 let limits = self.model.frequency_limits();
                 let checked = self.integrator.check(&limits, step);
                 checked.map_err(|error| self.source.1.put(&self.source.0, error.into()))?;
-                Ok(step)
+                step
+            }
+        };
+        self.check_intervals(step);
+        Ok(step)
+    }
+
+    /// Remarks on intervals of output that are shorter than the step, once.
+    fn check_intervals(&mut self, step: f64) {
+        let histories = !self.plan.histories.is_empty() || !self.plan.cuts.is_empty();
+        let intervals = [
+            ("histories", histories.then_some(self.plan.every)),
+            ("energies", self.plan.energies),
+            (
+                "envelopes",
+                self.plan.envelope.as_ref().map(|wish| wish.every),
+            ),
+            ("snapshots", self.plan.snapshots.map(|wish| wish.every)),
+        ];
+        for (what, interval) in intervals {
+            let Some(interval) = interval.filter(|interval| *interval < step) else {
+                continue;
+            };
+            let is_said = |remark: &Remark| {
+                let doubt = match remark {
+                    Remark::Doubt(doubt) => doubt,
+                    _ => return false,
+                };
+                matches!(doubt, SceneDoubt::ShortInterval { what: said, .. } if *said == what)
+            };
+            if !self.remarks.iter().any(is_said) {
+                self.remarks.push(Remark::Doubt(SceneDoubt::ShortInterval {
+                    what,
+                    interval,
+                    step,
+                }));
             }
         }
     }

@@ -202,6 +202,8 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         None => None,
     };
     let mut simulation = scene.prepare()?;
+    // Some remarks need the step.
+    simulation.step()?;
     let remarks = simulation.remarks().to_vec();
     let doubts = remarks.iter().filter(|remark| remark.is_warning());
     warnings.extend(doubts.cloned().map(Warning::Remark));

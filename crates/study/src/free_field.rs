@@ -144,7 +144,8 @@ impl FreeFieldCheck {
                 .boundary(boundary)
                 .start(start, scene.initial_motion())
                 .duration(window)
-                .output(output.clone());
+                .output(output.clone())
+                .allow_magnitudes();
             for support in &held.supports {
                 composed = composed.support(support.clone());
             }

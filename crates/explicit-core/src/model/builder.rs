@@ -45,6 +45,8 @@ impl From<Vec<u32>> for ElementChoice {
 const PART_SIZES: core::ops::RangeInclusive<usize> = 2048..=16_384;
 /// Blocks that a mesh is cut into, as far as [`PART_SIZES`] permits.
 const PARTS: usize = 16;
+/// More threads than any machine has; starting them would take minutes.
+const MOST_THREADS: usize = 4096;
 
 /// Collects what a [`Model`] is made of; all of it is checked in [`build`](Self::build).
 pub struct ModelBuilder<'a> {
@@ -154,7 +156,7 @@ impl<'a> ModelBuilder<'a> {
         self
     }
     /// Computes with this many threads of the model's own instead of all; the results have the
-    /// same bits.
+    /// same bits. 1 to 4096.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
@@ -332,7 +334,7 @@ fn coarsest(sets: &[ElementSet]) -> Result<Precision, EngineError> {
 
 fn start_threads(threads: usize) -> Result<Arc<rayon::ThreadPool>, EngineError> {
     let refused = EngineError::Threads { threads };
-    if threads == 0 {
+    if threads == 0 || threads > MOST_THREADS {
         return Err(refused);
     }
     rayon::ThreadPoolBuilder::new()

@@ -68,6 +68,9 @@ pub use format::{ByteOrder, Encoding, GmshVersion};
 pub use report::{GmshGroup, GmshReport};
 pub use write::write_gmsh;
 
+/// The largest file (bytes): some fifty million elements.
+const LARGEST: u64 = 8 << 30;
+
 /// A mesh and what its file held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GmshMesh {
@@ -84,7 +87,7 @@ pub struct GmshMesh {
 /// section and the node or element at fault.
 pub fn read_gmsh(path: impl AsRef<Path>) -> Result<GmshMesh, GmshError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(IoError::file(path))?;
+    let bytes = crate::read_whole(path, LARGEST).map_err(IoError::file(path))?;
     parse(&bytes, Some(path.into()))
 }
 

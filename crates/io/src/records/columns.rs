@@ -7,6 +7,9 @@ use super::{Record, RecordError, RecordFault, RecordOptions};
 const UNIFORMITY: f64 = 0.01;
 
 pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, RecordError> {
+    if let Some(text) = no_numbers(text) {
+        return Err(RecordError::content(1, 0, RecordFault::NoNumbers { text }));
+    }
     let unit = options
         .unit
         .ok_or_else(|| RecordError::content(0, 0, RecordFault::NoUnit))?;
@@ -73,6 +76,18 @@ pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, Record
         samples,
         warnings: warnings.into_iter().collect(),
     })
+}
+
+/// The first line of a text in which no line starts with what could be a number.
+fn no_numbers<'t>(text: &'t str) -> Option<String> {
+    let data = |line: &'t str| line.split(['#', '%']).next().unwrap_or_default();
+    let rows: Vec<&str> = (text.lines().map(data))
+        .filter(|row| !cells(row).is_empty())
+        .collect();
+    // One line of words may name the columns of numbers that follow.
+    let first = rows.first()?;
+    let only_words = rows.iter().all(|row| is_name(cells(row)[0].1));
+    only_words.then(|| first.trim().chars().take(40).collect())
 }
 
 /// Cells with their columns, from 1. A comma, semicolon or tab separates, and so do blanks.

@@ -46,6 +46,23 @@ pub enum RecordFault {
         /// What stands there.
         text: String,
     },
+    /// Nothing but white space.
+    #[error("the file is empty")]
+    Empty,
+    /// A file of another kind.
+    #[error("this is {found}, no accelerogram: PEER AT2, or one or two columns of numbers")]
+    Foreign {
+        /// What it seems to be.
+        found: &'static str,
+    },
+    /// Neither a header of PEER AT2 nor a row of numbers.
+    #[error(
+        "neither a header of PEER AT2 with NPTS and DT nor columns of numbers are found: {text:?} stands first"
+    )]
+    NoNumbers {
+        /// The first line.
+        text: String,
+    },
     /// A header without a number of samples or a step.
     #[error("the header declares no {what}")]
     Header {

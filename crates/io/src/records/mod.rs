@@ -14,6 +14,9 @@ pub use error::{RecordError, RecordFault};
 pub use set::{LengthRule, common_length};
 pub use unit::AccelerationUnit;
 
+/// The largest file (bytes): an hour at a thousand samples a second takes a fifth of it.
+const LARGEST: u64 = 256 << 20;
+
 /// A uniformly sampled accelerogram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
@@ -66,7 +69,7 @@ pub struct RecordOptions {
 /// # Ok::<(), powerhouse_io::RecordError>(())
 /// ```
 pub fn read_record(file: &Path, options: &RecordOptions) -> Result<Record, RecordError> {
-    let bytes = std::fs::read(file).map_err(|source| RecordError::File {
+    let bytes = crate::read_whole(file, LARGEST).map_err(|source| RecordError::File {
         file: file.into(),
         source,
     })?;
@@ -84,6 +87,13 @@ pub fn parse_record(bytes: &[u8], options: &RecordOptions) -> Result<Record, Rec
     // Titles may come in any single-byte encoding; numbers are plain ASCII in all of them.
     let text = String::from_utf8_lossy(bytes);
     let text = plain(&text);
+    let content = |fault| RecordError::content(0, 0, fault);
+    if text.trim().is_empty() {
+        return Err(content(RecordFault::Empty));
+    }
+    if let Some(found) = foreign(&text) {
+        return Err(content(RecordFault::Foreign { found }));
+    }
     let record = match at2::header(&text)? {
         Some(header) => at2::read(&text, &header, options)?,
         None => columns::read(&text, options)?,
@@ -93,6 +103,24 @@ pub fn parse_record(bytes: &[u8], options: &RecordOptions) -> Result<Record, Rec
         return Err(RecordError::content(0, 0, RecordFault::TooShort { found }));
     }
     Ok(record)
+}
+
+/// What a file is that is no accelerogram: one of another format, or of bytes that are no text.
+fn foreign(text: &str) -> Option<&'static str> {
+    let start = text.trim_start();
+    if start.starts_with("$MeshFormat") {
+        return Some("a Gmsh mesh");
+    }
+    if start.starts_with(['<', '{']) {
+        return Some("a page of markup");
+    }
+    if start.starts_with("[mesh]") || start.contains("\n[mesh]") {
+        return Some("a scene");
+    }
+    // Titles of old records hold some bytes of other encodings, but no NUL.
+    start
+        .contains('\0')
+        .then_some("a file of bytes that are no text")
 }
 
 /// The text without a mark of UTF-8 in front or an end-of-file mark behind, and with line ends that

@@ -7,7 +7,13 @@ use core::ops::Range;
 
 use thiserror::Error;
 
+use crate::magnitude::Magnitude;
+
 pub use text::{SceneFault, SceneText};
+
+/// What lets a scene with unusual magnitudes pass.
+const ALLOW_MAGNITUDES: &str =
+    "where it is meant, `allow = [\"magnitudes\"]` at the top of the scene makes it a warning";
 
 /// What is wrong at one place of a scene file.
 #[derive(Debug, Error)]
@@ -66,6 +72,29 @@ pub enum Problem {
         what: &'static str,
         /// The name.
         name: String,
+    },
+    /// A text that stands twice in a list.
+    #[error("'{entry}' stands twice in the list '{list}'")]
+    Repeated {
+        /// The key of the list.
+        list: String,
+        /// The text.
+        entry: String,
+    },
+    /// An entry of a list that is the same as an earlier one.
+    #[error("an earlier entry of the list '{list}' is the same")]
+    SameEntry {
+        /// The key of the list.
+        list: String,
+    },
+    /// A quantity beyond what is usual.
+    #[error(transparent)]
+    Magnitude(Magnitude),
+    /// A text that is not in UTF-8.
+    #[error("found {found}, expected text in UTF-8")]
+    Encoding {
+        /// What stands there.
+        found: String,
     },
     /// Keys that do not go together, or one of which is needed.
     #[error("exactly one of {} must be given, found {found}", keys.join(", "))]
@@ -127,6 +156,10 @@ impl Fault {
         source: impl Into<Box<dyn std::error::Error + Send + Sync>>,
     ) -> Self {
         Self::new(span, Problem::Refused(source.into()))
+    }
+    /// A quantity beyond what is usual, with the way to let it pass.
+    pub(crate) fn of_magnitude(span: Range<usize>, magnitude: Magnitude) -> Self {
+        Self::new(span, Problem::Magnitude(magnitude)).with_help(ALLOW_MAGNITUDES)
     }
     /// What is wrong.
     pub fn problem(&self) -> &Problem {

@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
+use super::strict::Strict;
 use super::{Material, Parameters, SceneFile, change};
 use crate::fault::{Fault, Problem};
 
@@ -71,7 +72,8 @@ fn read(text: &str, case: Option<&str>) -> Result<SceneFile, Fault> {
     for (section, shared) in [MATERIAL, JOINT, BOUNDARY] {
         split(root.get_mut(), section, shared);
     }
-    let mut scene = SceneFile::deserialize(Deserializer::from(root)).map_err(Fault::from_toml)?;
+    let mut scene =
+        SceneFile::deserialize(Strict(Deserializer::from(root))).map_err(Fault::from_toml)?;
     let text = Source::of(text, case);
     for (index, material) in scene.materials.iter_mut().enumerate() {
         material.parameters = Parameters::new(text.clone(), (MATERIAL.0, index), MATERIAL.1);
@@ -107,7 +109,7 @@ impl Source {
 
 /// Reads any structure whose tables with a `kind` are those of scenes.
 pub(crate) fn decode_tagged<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
-    T::deserialize(Deserializer::from(tree(text)?)).map_err(Fault::from_toml)
+    T::deserialize(Strict(Deserializer::from(tree(text)?))).map_err(Fault::from_toml)
 }
 
 /// Reads the materials of a text, and nothing else.
@@ -119,7 +121,8 @@ pub(crate) fn decode_materials(text: &str) -> Result<Vec<Material>, Fault> {
     }
     let mut root = tree(text)?;
     split(root.get_mut(), MATERIAL.0, MATERIAL.1);
-    let read = Materials::deserialize(Deserializer::from(root)).map_err(Fault::from_toml)?;
+    let read =
+        Materials::deserialize(Strict(Deserializer::from(root))).map_err(Fault::from_toml)?;
     let text = Source::of(text, None);
     let mut materials = read.materials;
     for (index, material) in materials.iter_mut().enumerate() {

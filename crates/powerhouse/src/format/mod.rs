@@ -24,6 +24,8 @@ mod quantity;
 mod reference;
 mod residual;
 mod stage;
+mod strict;
+mod survey;
 mod time;
 
 use core::num::NonZeroUsize;
@@ -59,6 +61,7 @@ pub use residual::Residual;
 pub use stage::{
     Bolt, BoltEnd, Grout, InSituStress, Pattern, Stage, StagePart, StageSupport, StaticMethod,
 };
+pub(crate) use survey::survey;
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};
 
 /// A scene: a mesh, its materials, the ground motion and what is wanted of the run.
@@ -67,6 +70,10 @@ pub use time::{InitialMotion, Precision, Scheme, Step, Time};
 pub struct SceneFile {
     /// What the scene is, in one line.
     pub title: String,
+    /// Faults that are warnings in this scene: `["magnitudes"]` lets quantities pass that lie beyond what
+    /// is usual of ground and structures. None by default.
+    #[serde(default)]
+    pub allow: Vec<At<Allowance>>,
     /// The mesh.
     pub mesh: MeshFile,
     /// Materials, by name.
@@ -125,6 +132,14 @@ pub struct SceneFile {
     /// over.
     #[serde(rename = "case", default)]
     pub cases: Vec<Case>,
+}
+
+/// A fault that a scene may allow.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Allowance {
+    /// Quantities beyond what is usual of ground and structures.
+    Magnitudes,
 }
 
 /// The mesh file.

@@ -16,7 +16,7 @@ pub struct Output {
     pub directory: Option<PathBuf>,
     /// Time between samples of histories, relative displacements and section forces (s); 0.005 by
     /// default.
-    pub every: Option<Positive>,
+    pub every: Option<At<Positive>>,
     /// Histories at points.
     #[serde(rename = "history", default)]
     pub histories: Vec<History>,
@@ -31,7 +31,7 @@ pub struct Output {
     #[serde(rename = "joint", default)]
     pub joints: Vec<JointHistory>,
     /// Time between looks at the energies (s); a hundredth of the duration by default.
-    pub energies: Option<Positive>,
+    pub energies: Option<At<Positive>>,
     /// Greatest values over the run, everywhere.
     pub envelope: Option<Envelope>,
     /// Pictures of the whole body for ParaView.
@@ -196,7 +196,7 @@ pub struct Envelope {
     /// Element sets on which it is tracked; all parts by default.
     pub sets: Option<Vec<At<String>>>,
     /// Time between looks (s); 0.005 by default.
-    pub every: Option<Positive>,
+    pub every: Option<At<Positive>>,
 }
 
 /// Pictures of the whole body.
@@ -204,7 +204,7 @@ pub struct Envelope {
 #[serde(deny_unknown_fields)]
 pub struct Snapshots {
     /// Time between them (s).
-    pub every: Positive,
+    pub every: At<Positive>,
     /// What they hold; displacement and velocity by default.
     pub quantities: Option<At<Vec<At<Quantity>>>>,
 }

@@ -7,6 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 use super::decode::{self, Source};
+use super::strict::Strict;
 use crate::fault::Fault;
 
 /// The keys of a material or boundary that its law or kind reads.
@@ -41,7 +42,7 @@ impl Parameters {
     pub fn decode<T: DeserializeOwned>(&self) -> Result<T, Fault> {
         let table = self.table()?;
         let table = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
-        T::deserialize(ValueDeserializer::from(table))
+        T::deserialize(Strict(ValueDeserializer::from(table)))
             .map_err(|error| Fault::from_toml(error).with_permitted(self.shared))
     }
     /// Where the value of a key stands, or the whole table if there is no such key.

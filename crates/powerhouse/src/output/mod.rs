@@ -6,6 +6,7 @@ mod folder;
 mod joints;
 mod lock;
 mod names;
+mod naming;
 mod plan;
 mod remembered;
 mod results;
@@ -18,6 +19,8 @@ pub use drawing::file_name;
 pub use folder::ResultFolder;
 pub use lock::{FolderError, FolderLock};
 pub(crate) use names::Named;
+pub use naming::NameError;
+pub(crate) use naming::{NamedThing, check_names};
 pub use plan::{
     CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,
     StateWish, StressWish,

@@ -17,7 +17,7 @@ use crate::format::{
     self, At, Azimuth, Convention, Finite, Positive, Pulse, SceneFile, Space, Wave, WaveAxis,
 };
 use crate::scene::{InitialMotion, NOT_AT_REST, box_corners};
-use crate::{Error, Remark, Scene};
+use crate::{Error, Remark, Scene, magnitude};
 
 /// Ways out of several media behind the absorbing faces.
 const ONE_MEDIUM: &str = "where a tunnel or lining runs through, rollers on the front and back faces in place of absorbing ones, or one `slice` of the mesh across its axis; else one medium at all absorbing faces: layers before them are not possible";
@@ -78,7 +78,7 @@ pub(super) fn field(
         if let Some(remark) = unclear_axis(table, file) {
             scene.remarks.push(remark);
         }
-        let wave = plane_wave(table, parameters, records)?;
+        let wave = plane_wave(table, parameters, records, scene.magnitudes_allowed)?;
         let convention = wave.parameters().convention;
         if convention != InputConvention::Incident {
             scene.remarks.push(Remark::Conversion {
@@ -145,6 +145,7 @@ fn plane_wave(
     table: &Wave,
     mut parameters: PlaneWaveParameters,
     records: &BTreeMap<String, PreparedRecord>,
+    allowed: bool,
 ) -> Result<PlaneWave, Fault> {
     let factor = table.factor.map_or(1.0, Finite::get);
     let mut place = table.incidence.span();
@@ -158,6 +159,13 @@ fn plane_wave(
             parameters.convention = record.convention;
             parameters.arrival -= record.lead;
             place = record.place.clone();
+            let peak = factor.abs() * record.report.peak_acceleration;
+            if let (Err(magnitude), true) = (
+                magnitude::RECORDED_PEAK.check("peak of the wave", peak),
+                factor != 0.0 && !allowed && record.report.peak_acceleration > 0.0,
+            ) {
+                return Err(Fault::of_magnitude(name.span(), magnitude));
+            }
             let scaled = record.history.scaled(factor);
             let signal = scaled.and_then(|history| {
                 history.into_signal(EndDisplacement::Declared(factor * record.end))

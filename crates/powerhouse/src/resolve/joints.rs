@@ -3,7 +3,7 @@
 use powerhouse_contact::{JointSurface, SurfaceOptions};
 use powerhouse_model::{ContactLaw, Facet, Mesh, Stress};
 
-use super::{Names, no_such_set, one_of, vector};
+use super::{Names, check_reach, no_such_set, one_of, vector};
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Gap, JointSection, Positive, Zone};
 use crate::{GroundStress, InitialGap, JointZone, Preload, Registry, SceneJoint};
@@ -125,6 +125,9 @@ pub(super) fn zone(
     if let (Some(within), None) = (&zone.within, &zone.at) {
         let key = "at".into();
         return Err(Fault::new(within.span(), Problem::MissingKey { key }));
+    }
+    if let Some(within) = &zone.within {
+        check_reach(names.mesh, (within.get(), within.span()))?;
     }
     Ok(match (&zone.at, &zone.node, &zone.set, corners) {
         (Some(at), None, None, None) => JointZone::Near {

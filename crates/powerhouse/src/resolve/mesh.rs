@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use powerhouse_io::gmsh::{GmshGroup, GmshReport};
 use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
-use crate::Registry;
 use crate::fault::{Fault, SceneText};
 use crate::format::{self, At, Finite};
+use crate::{SceneDoubt, Registry, Remark};
 
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
@@ -17,14 +18,17 @@ pub(super) fn mesh(
     text: &SceneText,
     table: &format::MeshFile,
     registry: &Registry,
-) -> Result<Mesh, Fault> {
+) -> Result<(Mesh, Option<Remark>), Fault> {
+    let mut left_out = None;
     let refused = |error: AnyError| Fault::refused(table.file.span(), error);
     let path: PathBuf = text.folder().join(&*table.file);
     let mesh = match &table.generator {
         Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
         None => {
             let read = powerhouse_io::read_gmsh(path);
-            read.map_err(|error| refused(error.into()))?.mesh
+            let read = read.map_err(|error| refused(error.into()))?;
+            left_out = unused(&read.report);
+            read.mesh
         }
     };
     let mesh = match table.scale.get() {
@@ -50,10 +54,30 @@ pub(super) fn mesh(
         None => mesh,
         Some(slice) => sliced(&mesh, slice)?,
     };
-    match &table.refine {
-        None => Ok(mesh),
-        Some(times) => refined(mesh, **times).map_err(|error| Fault::refused(times.span(), error)),
-    }
+    let mesh = match &table.refine {
+        None => mesh,
+        Some(times) => {
+            refined(mesh, **times).map_err(|error| Fault::refused(times.span(), error))?
+        }
+    };
+    Ok((mesh, left_out))
+}
+
+/// What the mesh's file holds beside the mesh, or in no group.
+fn unused(report: &GmshReport) -> Option<Remark> {
+    let (nodes, dropped) = (report.dropped_nodes, report.dropped_elements);
+    let grouped = |group: &GmshGroup| group.dimension == 3 || group.dimension == 1;
+    // A mesh without any group is meant to be one set.
+    let ungrouped = match report.groups.iter().any(grouped) {
+        true => report.ungrouped_elements,
+        false => 0,
+    };
+    let found = SceneDoubt::MeshFile {
+        nodes,
+        dropped,
+        ungrouped,
+    };
+    (nodes + dropped + ungrouped > 0).then_some(Remark::Doubt(found))
 }
 
 /// One layer of a mesh.

@@ -15,7 +15,8 @@ use powerhouse_explicit_core::{Leapfrog, OneSided, Precision};
 use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
 
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{self, At, Finite, Load, SceneFile};
+use crate::format::{self, Allowance, At, Finite, Load, NonNegative, SceneFile};
+use crate::output::NamedThing;
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep};
 use crate::{Error, Material, Part, Registry, Remark, Scene};
 
@@ -32,17 +33,18 @@ pub(crate) fn compose(
         None => None,
     };
     let records = record::records(text, file)?;
-    let (mesh, joints) = joints::joints(
-        mesh::mesh(text, &file.mesh, registry)?,
-        &file.joints,
-        registry,
-    )?;
+    let (mesh, left_out) = mesh::mesh(text, &file.mesh, registry)?;
+    check_rims(&mesh, file)?;
+    let (mesh, joints) = joints::joints(mesh, &file.joints, registry)?;
     let names = Names { mesh: &mesh };
     check_parts(&names, file)?;
     check_kernels(&names, file, &parts)?;
 
     let mut scene = Scene::new(file.title.clone(), mesh.clone());
     scene.parts = parts;
+    scene.magnitudes_allowed = (file.allow.iter()).any(|a| **a == Allowance::Magnitudes);
+    scene.places.mesh = file.mesh.file.span();
+    scene.remarks.extend(left_out);
     scene.joints = joints;
     scene.start = file.time.start.as_ref().map_or(0.0, |start| start.get());
     scene.duration = file.time.duration.get();
@@ -101,6 +103,10 @@ pub(crate) fn compose(
         });
     }
     for (name, record) in &records {
+        scene
+            .places
+            .records
+            .insert(name.clone(), record.name.clone());
         scene.records.insert(name.clone(), record.history.clone());
         scene.remarks.push(Remark::Record {
             name: name.clone(),
@@ -130,6 +136,7 @@ pub(crate) fn compose(
         &scene.joints,
         file.time.duration.get(),
     )?;
+    check_names(file)?;
     let materials = file.parts.iter();
     let materials = materials.map(|part| (part.set.to_string(), part.material.span()));
     scene.places.materials = materials.collect();
@@ -270,6 +277,53 @@ fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
         (Some(element), Some(part)) => Err(part_count(mesh, part.set.span(), element, 0)),
         _ => Ok(()),
     }
+}
+
+/// Files can be named after all that has results, and no two share one.
+fn check_names(file: &SceneFile) -> Result<(), Fault> {
+    let output = &file.output;
+    let joints = file.joints.iter().map(|j| (NamedThing::Joint, &j.name));
+    let bolts = file.bolts.iter().map(|bolts| (NamedThing::Bolts, &bolts.name));
+    let stages = file.stages.iter().map(|s| (NamedThing::Stage, &s.name));
+    let histories = output.histories.iter().map(|history| &history.name);
+    let relative = output.relative.iter().map(|relative| &relative.name);
+    let sections = output.sections.iter().map(|section| &section.name);
+    let results = histories.chain(relative).chain(sections);
+    let results = results.map(|name| (NamedThing::Result, name));
+    let zones = output.joints.iter().map(|j| (NamedThing::JointZone, &j.name));
+    let named: Vec<(NamedThing, &At<String>)> = joints
+        .chain(bolts)
+        .chain(stages)
+        .chain(results)
+        .chain(zones)
+        .collect();
+    let names = named.iter().map(|(what, name)| (*what, name.as_str()));
+    let checked = crate::output::check_names(names);
+    checked.map_err(|(place, error)| Fault::refused(named[place].1.span(), error))
+}
+
+/// No rim is wider than the body.
+fn check_rims(mesh: &Mesh, file: &SceneFile) -> Result<(), Fault> {
+    let rims = file.parts.iter().filter_map(|part| part.rim.as_ref());
+    for rim in rims {
+        check_reach(mesh, (NonNegative::get(**rim), rim.span()))?;
+    }
+    Ok(())
+}
+
+/// A distance that is no larger than the diagonal of the mesh.
+fn check_reach(
+    mesh: &Mesh,
+    (distance, place): (f64, core::ops::Range<usize>),
+) -> Result<(), Fault> {
+    let (low, high) = mesh.bounding_box();
+    let diagonal = (high - low).norm();
+    if distance <= diagonal {
+        return Ok(());
+    }
+    let found = format!("{distance} m");
+    let expected = format!("no more than the diagonal of the body, {diagonal:.4} m");
+    Err(Fault::new(place, Problem::Value { found, expected }))
 }
 
 /// Every element has a kernel, and every kernel an element.

@@ -5,7 +5,7 @@ use powerhouse_explicit_core::observe::{
 };
 use powerhouse_model::Vec3;
 
-use super::{Names, no_such_number, one_of, vector};
+use super::{Names, check_reach, no_such_number, one_of, vector};
 use crate::fault::{Fault, Problem};
 use crate::format::{
     At, Finite, History, JointHistory, JointQuantity, Output, Positive, Quantity, Section,
@@ -26,7 +26,18 @@ pub(super) fn plan(
     duration: f64,
 ) -> Result<OutputPlan, Fault> {
     let mut plan = OutputPlan::default();
-    if let Some(every) = output.every {
+    let envelope = output.envelope.as_ref().and_then(|e| e.every.as_ref());
+    let snapshots = output.snapshots.as_ref().map(|snapshots| &snapshots.every);
+    let intervals = [
+        output.every.as_ref(),
+        output.energies.as_ref(),
+        envelope,
+        snapshots,
+    ];
+    for interval in intervals.into_iter().flatten() {
+        check_interval(interval, duration)?;
+    }
+    if let Some(every) = &output.every {
         plan.every = every.get();
     }
     // Every joint has results of its own name.
@@ -82,7 +93,8 @@ pub(super) fn plan(
     plan.energies = Some(
         output
             .energies
-            .map_or(duration / ENERGY_LOOKS, Positive::get),
+            .as_ref()
+            .map_or(duration / ENERGY_LOOKS, |every| every.get()),
     );
     if let Some(envelope) = &output.envelope {
         let mut sets = Vec::new();
@@ -92,13 +104,13 @@ pub(super) fn plan(
         }
         let quantities = quantities(&envelope.quantities, &MOTION)?;
         if quantities.contains(&Quantity::State) {
-            plan.state.every = Some(envelope.every.map_or(plan.every, Positive::get));
+            plan.state.every = Some(envelope.every.as_ref().map_or(plan.every, |e| e.get()));
         }
         plan.envelope = Some(EnvelopeWish {
             motion: motion(&quantities),
             stress: quantities.contains(&Quantity::Stress),
             sets,
-            every: envelope.every.map_or(plan.every, Positive::get),
+            every: envelope.every.as_ref().map_or(plan.every, |e| e.get()),
         });
     }
     if let Some(snapshots) = &output.snapshots {
@@ -114,6 +126,19 @@ pub(super) fn plan(
         });
     }
     Ok(plan)
+}
+
+/// An interval that is no longer than the run.
+fn check_interval(interval: &At<Positive>, duration: f64) -> Result<(), Fault> {
+    if interval.get() <= duration {
+        return Ok(());
+    }
+    let found = format!("{} s", interval.get());
+    let expected = format!("no more than the duration of the run, {duration} s");
+    Err(Fault::new(
+        interval.span(),
+        Problem::Value { found, expected },
+    ))
 }
 
 /// What is recorded where nothing is said.
@@ -324,6 +349,7 @@ impl Site<'_> {
         let mesh = self.names.mesh;
         let mut spot = Spot::at(vector(at));
         if let Some(within) = self.within {
+            check_reach(mesh, (within.get(), within.span()))?;
             spot = spot.within(within.get());
         }
         let located = match self.among {

@@ -27,6 +27,8 @@ pub(super) struct PreparedRecord {
     pub(super) convention: InputConvention,
     /// Time that the record gained before its former start, and at its end (s).
     pub(super) lead: f64,
+    /// Where its name stands in the scene file.
+    pub(super) name: core::ops::Range<usize>,
     /// Where its convention stands in the scene file.
     pub(super) place: core::ops::Range<usize>,
     pub(super) report: RecordReport,
@@ -85,6 +87,7 @@ fn treated(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedReco
         let report = signal.map_err(refused)?.report();
         let record = PreparedRecord {
             history,
+            name: name.clone(),
             end,
             convention: convention(&table.convention),
             lead: baseline.map_or(0.0, |report: BaselineReport| report.leading_pad),

@@ -8,7 +8,7 @@ use powerhouse_model::ElementKind;
 
 use super::Scene;
 use crate::acting::{Lasting, function};
-use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark};
+use crate::{Damping, DampingCost, SceneDoubt, Error, Kernel, Material, Part, Remark};
 
 /// Elements of one part that one kernel computes with one material.
 pub(crate) struct Piece {
@@ -155,12 +155,17 @@ impl Scene {
             });
         }
         if let Some(width) = part.rim {
+            let of = self.mesh.element_set(&part.set)?.len();
             facts.push(Remark::Rim {
                 set: set(),
                 width,
                 elements: rim.len(),
-                of: self.mesh.element_set(&part.set)?.len(),
+                of,
             });
+            let changes = part.damping != Damping::None || !part.material.is_linear();
+            if rim.len() == of && (changes || width > 0.0) {
+                facts.push(Remark::Doubt(SceneDoubt::WholeRim { set: set() }));
+            }
         }
         Ok(facts)
     }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::Scene;
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
-use crate::format::Case;
-use crate::{Error, Registry, format, resolve};
+use crate::format::{Allowance, Case, SceneFile};
+use crate::output::{NamedThing, check_names};
+use crate::{SceneDoubt, Error, Registry, format, resolve};
 
 impl Scene {
     /// Reads a scene file, its mesh and its records; laws, kernels and boundaries are those that
@@ -24,7 +25,7 @@ impl Scene {
     /// As [`from_file`](Self::from_file).
     pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<Self, Error> {
         let path = path.as_ref();
-        Self::from_toml(read(path)?, path, registry)
+        Self::from_toml(read_text(path)?, path, registry)
     }
     /// Reads a case of a scene file: the scene with what the case changes.
     ///
@@ -36,7 +37,7 @@ impl Scene {
         registry: &Registry,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
-        Self::compose(read(path)?, path.into(), Some(case), registry)
+        Self::compose(read_text(path)?, path.into(), Some(case), registry)
     }
     /// Reads a scene from text. `path` is the name in messages, and its folder the one that paths
     /// in the scene are relative to.
@@ -60,6 +61,13 @@ impl Scene {
         let text = Arc::new(SceneText { path, text });
         let refused = |fault| SceneFault::new(text.clone(), fault);
         let mut file = format::decode(&text.text).map_err(refused)?;
+        let allowed = file.allow.iter().any(|a| **a == Allowance::Magnitudes);
+        let unusual = format::survey(&text.text).map_err(refused)?;
+        // What a law refuses is worse than a magnitude.
+        check_registered(&file, registry).map_err(refused)?;
+        if let (Some((magnitude, place)), false) = (unusual.first(), allowed) {
+            return Err(refused(Fault::of_magnitude(place.clone(), magnitude.clone())).into());
+        }
         let cases = case_names(&file.cases).map_err(refused)?;
         if let Some(name) = case {
             if !cases.iter().any(|case| case == name) {
@@ -74,6 +82,14 @@ impl Scene {
             }
         }
         let mut scene = resolve::compose(&text, &file, registry).map_err(refused)?;
+        for (magnitude, _) in unusual {
+            scene.remark_once(SceneDoubt::Magnitude(magnitude));
+        }
+        // Once the text is known, faults of the whole scene have their places in it.
+        let source = Some(text.clone());
+        let found = scene.check_magnitudes().and_then(|()| scene.check_names());
+        found.map_err(|error| scene.places.put(&source, error))?;
+        scene.check_threads();
         scene.directory = file.output.directory;
         scene.cases = cases;
         let on_request = file.cases.iter().filter(|case| case.on_request);
@@ -84,16 +100,35 @@ impl Scene {
     }
 }
 
-fn read(path: &Path) -> Result<String, Error> {
-    std::fs::read_to_string(path).map_err(|source| Error::Read {
+/// The longest scene file (bytes).
+const LARGEST: u64 = 64 << 20;
+
+/// Reads the text of a scene, or of another file of its kind.
+pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
+    let bytes = powerhouse_io::read_whole(path, LARGEST).map_err(|source| Error::Read {
         path: path.into(),
         source,
+    })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let (place, bytes) = (error.utf8_error().valid_up_to(), error.into_bytes());
+        let found = match bytes[..] {
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "text in UTF-16".to_owned(),
+            _ => format!("the byte {:#04x}", bytes[place]),
+        };
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let path = path.into();
+        let fault = Fault::new(place..place, Problem::Encoding { found });
+        SceneFault::new(Arc::new(SceneText { path, text }), fault).into()
     })
 }
 
 /// Reads a case as far as neither mesh nor records are needed.
 fn check_case(text: &str, name: &str, registry: &Registry) -> Result<(), Fault> {
-    let file = format::decode_case(text, name)?;
+    check_registered(&format::decode_case(text, name)?, registry)
+}
+
+/// Sees that laws and boundaries of the registry take their keys.
+fn check_registered(file: &SceneFile, registry: &Registry) -> Result<(), Fault> {
     for material in &file.materials {
         registry.material(material)?;
     }
@@ -118,5 +153,7 @@ fn case_names(cases: &[Case]) -> Result<Vec<String>, Fault> {
         }
         names.push(name);
     }
+    let named = names.iter().map(|name| (NamedThing::Case, name.as_str()));
+    check_names(named).map_err(|(place, error)| Fault::refused(cases[place].name.span(), error))?;
     Ok(names)
 }

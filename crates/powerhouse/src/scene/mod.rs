@@ -11,10 +11,12 @@ mod places;
 mod prepare;
 mod region;
 mod rim;
+mod soundness;
 mod surroundings;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
+pub(crate) use file::read_text;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
 pub(crate) use places::{NOT_AT_REST, Places, StagePlaces};
@@ -141,6 +143,7 @@ pub struct Scene {
     pub(crate) precision: Precision,
     pub(crate) residual: ResidualLimit,
     pub(crate) threads: Option<usize>,
+    pub(crate) magnitudes_allowed: bool,
     pub(crate) output: OutputPlan,
     pub(crate) self_check: Option<f64>,
     pub(crate) remarks: Vec<Remark>,
@@ -184,6 +187,7 @@ impl Scene {
             precision: Precision::F64,
             residual: ResidualLimit::OfPrecision,
             threads: None,
+            magnitudes_allowed: false,
             output: OutputPlan::default(),
             self_check: None,
             remarks: Vec::new(),
@@ -350,7 +354,8 @@ impl Scene {
         self.residual = limit;
         self
     }
-    /// Computes with so many threads instead of all; the bits of results do not depend on it.
+    /// Computes with so many threads instead of all, at most those of the machine; the bits of results do
+    /// not depend on it.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);

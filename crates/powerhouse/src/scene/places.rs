@@ -8,7 +8,7 @@ use powerhouse_explicit_core::observe::ObserveError;
 use powerhouse_explicit_core::{EngineError, StageError};
 use powerhouse_model::{ModelError, RunError};
 
-use crate::{Error, Fault, SceneFault, SceneText};
+use crate::{Error, Fault, MagnitudeOf, SceneFault, SceneText};
 
 /// What puts a body at rest in a moving field right.
 pub(crate) const NOT_AT_REST: &str =
@@ -55,6 +55,10 @@ fn stage_of(error: &StageError) -> Option<&str> {
 /// Bytes of the scene's file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Places {
+    /// The mesh's file.
+    pub(crate) mesh: Range<usize>,
+    /// Records and their components, by name.
+    pub(crate) records: BTreeMap<String, Range<usize>>,
     /// The kind of the boundary.
     pub(crate) boundary: Range<usize>,
     /// Its first face.
@@ -101,6 +105,10 @@ impl Places {
         let Some(text) = source else {
             return error;
         };
+        if let Error::Magnitude { magnitude, .. } = error {
+            let fault = Fault::of_magnitude(place, magnitude);
+            return SceneFault::new(text.clone(), fault).into();
+        }
         let at_rest = matches!(error, Error::NotAtRest { .. });
         let mut fault = Fault::refused(place, error);
         if at_rest {
@@ -113,7 +121,15 @@ impl Places {
     pub(crate) fn of(&self, error: &Error) -> Option<Range<usize>> {
         let place = match error {
             Error::NotAtRest { .. } => self.start.clone(),
-            Error::ForeignMedium { .. } | Error::InnerFacet { .. } => self.faces.clone(),
+            Error::ForeignMedium { .. } | Error::InnerFacet { .. } | Error::SharedFacet { .. } => {
+                self.faces.clone()
+            }
+            Error::Magnitude { of, .. } => match of {
+                MagnitudeOf::Part(set) => return self.materials.get(set).cloned(),
+                MagnitudeOf::Mesh => self.mesh.clone(),
+                MagnitudeOf::Record(name) => return self.records.get(name).cloned(),
+                MagnitudeOf::Scene => return None,
+            },
             Error::UnusedField { .. } => self.field.clone(),
             Error::IdleRim { set, .. } => return self.rims.get(set).cloned(),
             Error::Staging { stage, source } => {

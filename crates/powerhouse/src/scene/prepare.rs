@@ -52,6 +52,9 @@ impl Scene {
             )?;
         }
         self.mesh.check()?;
+        self.check_magnitudes()?;
+        self.check_names()?;
+        self.check_threads();
         self.part_of_elements()?;
         self.check_mirrors()?;
         self.scatterer()?;
@@ -157,7 +160,10 @@ impl Scene {
             builder = builder.elements(piece.elements.clone(), factory);
         }
         let present = timeline.and_then(Timeline::present);
-        if let Some(parts) = self.boundary_parts(present, remarks)? {
+        let parts = self.boundary_parts(present, remarks)?;
+        let doubts = self.doubts_of_weight(parts.as_ref());
+        remarks.extend(doubts.into_iter().map(Remark::Doubt));
+        if let Some(parts) = parts {
             builder = builder.boundary(parts);
         }
         builder = self.acted_on(builder, None);
@@ -170,7 +176,7 @@ impl Scene {
                 builder = builder.embed(bolts.block());
             }
         }
-        if let Some(threads) = self.threads {
+        if let Some(threads) = self.threads_taken() {
             builder = builder.threads(threads);
         }
         Ok(Moving { builder, surfaces })

@@ -1,12 +1,14 @@
 //! What the ground around a scene demands of it, whether it was read from a file or composed.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use powerhouse_boundary::foreign_nodes;
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 
+use powerhouse_wavefield::Site;
+
 use super::{InitialMotion, Scene};
-use crate::{Damping, Error, Remark};
+use crate::{Damping, SceneDoubt, Error, Remark};
 
 /// Displacement and velocity of a field over their peaks when a body starts at rest. A wave alone is
 /// brought below half of it; several may add up.
@@ -23,6 +25,8 @@ const TRACTION_INSTANTS: usize = 500;
 const TRACTION_POINTS: usize = 256;
 /// What lies within this share of the mesh's diagonal of a side of its box lies on it.
 const SIDE_TOLERANCE: f64 = 1e-6;
+/// What holds a facet has this of its direction along the facet's normal: the cosine of 45 degrees.
+const HELD: f64 = 0.707;
 /// The sides of a box but its top: name, axis, whether it is the upper one.
 const SIDES: [(&str, usize, bool); 5] = [
     ("left", 0, false),
@@ -93,10 +97,21 @@ impl Scene {
             .collect()
     }
 
-    /// Refuses facets between two elements among the absorbing ones.
+    /// Refuses facets between two elements among the absorbing ones, and such that two faces have: they
+    /// would absorb twice and take their input twice.
     pub(super) fn check_faces(&self, faces: &[(&str, &[Facet])]) -> Result<(), Error> {
         let outer: HashSet<Facet> = self.mesh.boundary_facets().into_iter().collect();
+        let mut face_of: HashMap<Facet, &str> = HashMap::new();
         for (face, facets) in faces {
+            for facet in *facets {
+                if let Some(first) = face_of.insert(*facet, face) {
+                    return Err(Error::SharedFacet {
+                        first: first.into(),
+                        second: (*face).into(),
+                        element: self.mesh.element_tags()[facet.element as usize],
+                    });
+                }
+            }
             if let Some(facet) = facets.iter().find(|facet| !outer.contains(facet)) {
                 return Err(Error::InnerFacet {
                     face: (*face).into(),
@@ -132,35 +147,143 @@ impl Scene {
             }
         }
         let free = self.free_facets(faces);
+        remarks.extend(self.absorbing_surfaces(faces));
         let (open, rest) = self.open_sides(&free);
         remarks.extend(open);
         if let Some(field) = site.field {
+            remarks.extend(self.held_field(field, site)?);
             remarks.extend(self.loaded_surface(field, &rest, site)?);
         }
         Ok(remarks)
     }
 
-    /// Outer facets that neither absorb nor are held or driven at all their nodes.
+    /// Outer facets that neither absorb nor are held or driven along their normals, or across them in both
+    /// directions, at all their nodes. Rollers that hold a slice in its plane do not hold the edges of its
+    /// other sides.
     fn free_facets(&self, faces: &[(&str, &[Facet])]) -> Vec<Facet> {
         let absorbing: HashSet<Facet> = faces.iter().flat_map(|(_, f)| f.iter().copied()).collect();
-        let held = self.supports.iter().flat_map(|support| support.nodes());
-        let driven = self.prescribed.iter().flat_map(|motion| &motion.nodes);
-        let tied = self.periodic.iter().flat_map(|periodic| &periodic.pairs);
-        let mut held: HashSet<u32> = held.chain(driven).copied().collect();
-        held.extend(tied.flat_map(|&(from, to)| [from, to]));
+        let held = self.held_directions();
         let is_free = |facet: &Facet| {
-            !absorbing.contains(facet)
-                && !self
-                    .mesh
-                    .facet_nodes(*facet)
-                    .iter()
-                    .all(|node| held.contains(node))
+            let normal = self.mesh.facet_geometry(*facet).normal();
+            let nodes = self.mesh.facet_nodes(*facet);
+            let of = |node: &u32| held.get(node).map_or(&[][..], Vec::as_slice);
+            !absorbing.contains(facet) && !nodes.iter().all(|node| is_held(of(node), &normal))
         };
         self.mesh
             .boundary_facets()
             .into_iter()
             .filter(is_free)
             .collect()
+    }
+
+    /// The directions in which nodes are held, driven or tied to others, of length one.
+    fn held_directions(&self) -> HashMap<u32, Vec<Vec3>> {
+        let mut held: HashMap<u32, Vec<Vec3>> = HashMap::new();
+        let mut hold = |node: u32, direction: Vec3| {
+            if direction.norm() > 0.0 {
+                held.entry(node).or_default().push(direction.normalize());
+            }
+        };
+        for support in &self.supports {
+            let directions = match support.held_direction() {
+                Some(direction) => vec![direction],
+                None => vec![Vec3::x(), Vec3::y(), Vec3::z()],
+            };
+            for &node in support.nodes() {
+                directions.iter().for_each(|&along| hold(node, along));
+            }
+        }
+        for mirror in &self.mirrors {
+            mirror.nodes.iter().for_each(|&n| hold(n, mirror.normal));
+        }
+        for driven in &self.prescribed {
+            driven.nodes.iter().for_each(|&n| hold(n, driven.direction));
+        }
+        let positions = self.mesh.positions();
+        for &(from, to) in self.periodic.iter().flat_map(|periodic| &periodic.pairs) {
+            let along = positions[to as usize] - positions[from as usize];
+            hold(from, along);
+            hold(to, along);
+        }
+        held
+    }
+
+    /// Absorbing faces on the free surface of the half-space of plane waves.
+    fn absorbing_surfaces(&self, faces: &[(&str, &[Facet])]) -> Vec<Remark> {
+        let (low, high) = self.mesh.bounding_box();
+        let tolerance = SIDE_TOLERANCE * (high - low).norm();
+        let surfaces = self
+            .waves
+            .iter()
+            .filter_map(|wave| match wave.parameters().site {
+                Site::HalfSpace { surface } => Some(surface),
+                Site::FullSpace => None,
+            });
+        let Some(surface) = surfaces.reduce(f64::min) else {
+            return Vec::new();
+        };
+        let lies_on = |facet: &Facet| {
+            let nodes = self.mesh.facet_nodes(*facet);
+            let height = |node: &u32| self.mesh.positions()[*node as usize].z;
+            nodes.iter().all(|node| height(node) >= surface - tolerance)
+        };
+        let faces = faces
+            .iter()
+            .filter(|(_, facets)| facets.iter().any(lies_on));
+        let doubts = faces.map(|(face, _)| SceneDoubt::AbsorbingSurface {
+            face: (*face).into(),
+        });
+        doubts.map(Remark::Doubt).collect()
+    }
+
+    /// Supports that hold nodes where, and in a direction in which, the free field moves. Outside of a
+    /// region around which the field enters nothing but scattered waves moves.
+    fn held_field(
+        &self,
+        field: &dyn IncidentField,
+        site: &BoundarySite,
+    ) -> Result<Option<Remark>, Error> {
+        let region = self.boundary.as_ref().and_then(|b| b.region.as_ref());
+        let held: Vec<(u32, Option<Vec3>)> = (self.supports.iter())
+            .flat_map(|support| {
+                let stride = support.nodes().len().div_ceil(TRACTION_POINTS).max(1);
+                let along = support.held_direction().map(|along| along.normalize());
+                let nodes = support.nodes().iter().step_by(stride);
+                nodes.map(move |&node| (node, along))
+            })
+            .collect();
+        if region.is_some() || held.is_empty() {
+            return Ok(None);
+        }
+        let positions = self.mesh.positions();
+        let mut points: Vec<Vec3> = (held.iter())
+            .map(|(node, _)| positions[*node as usize])
+            .collect();
+        points.extend(self.outermost(site));
+        let sampler = field.prepare(&points)?;
+        let mut motion = vec![FieldMotion::default(); points.len()];
+        let (mut fastest, mut worst) = (0.0_f64, (0.0_f64, 0));
+        let interval = self.duration / TRACTION_INSTANTS as f64;
+        for instant in 0..=TRACTION_INSTANTS {
+            motion.fill(FieldMotion::default());
+            sampler.add_motion(self.start + instant as f64 * interval, &mut motion);
+            for motion in &motion {
+                fastest = larger(fastest, motion.velocity.norm());
+            }
+            for (motion, (node, along)) in motion.iter().zip(&held) {
+                let speed = match along {
+                    Some(along) => motion.velocity.dot(along).abs(),
+                    None => motion.velocity.norm(),
+                };
+                if speed > worst.0 {
+                    worst = (speed, *node);
+                }
+            }
+        }
+        let share = worst.0 / fastest;
+        let node = self.mesh.node_tags()[worst.1 as usize];
+        let is_held = worst.0 > 0.0 && share > TRACTION_OF_NOTE;
+        Ok(is_held.then_some(Remark::Doubt(SceneDoubt::HeldField { share, node })))
     }
 
     /// The sides of the mesh's box, its top aside, on which free facets lie, and all other free
@@ -238,6 +361,19 @@ impl Scene {
         let is_loaded = share.is_nan() || share > TRACTION_OF_NOTE;
         Ok(is_loaded.then_some(Remark::LoadedSurface { share, position }))
     }
+}
+
+/// Whether directions of length one, in which a node is held, hold a facet with a normal: along it, or in
+/// two directions across it, as a plane of antisymmetry does.
+fn is_held(directions: &[Vec3], normal: &Vec3) -> bool {
+    let across: Vec<Vec3> = (directions.iter())
+        .map(|along| along - normal * along.dot(normal))
+        .collect();
+    let spans = |a: &Vec3| across.iter().any(|b| a.cross(b).norm() > HELD);
+    directions
+        .iter()
+        .any(|along| along.dot(normal).abs() > HELD)
+        || across.iter().any(spans)
 }
 
 /// The corners of a box.

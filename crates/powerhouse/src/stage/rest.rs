@@ -229,7 +229,7 @@ impl Staging {
         for bolts in self.timeline.bolts(index + 1) {
             builder = builder.embed(bolts.block());
         }
-        Ok(match scene.threads {
+        Ok(match scene.threads_taken() {
             Some(threads) => builder.threads(threads),
             None => builder,
         })

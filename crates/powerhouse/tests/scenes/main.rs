@@ -13,6 +13,7 @@ mod law_points;
 mod law_results;
 mod laws;
 mod lost_sides;
+mod nonsense;
 mod region;
 mod runs;
 mod smaller;

@@ -292,7 +292,8 @@ impl Opening {
             .boundary(boundary)
             .energy_residual(ResidualLimit::Unchecked)
             .duration(end - start)
-            .output(output);
+            .output(output)
+            .allow_magnitudes();
         let is_antiplane = |wave: &PlaneWave| wave.parameters().kind == WaveKind::SH;
         if motive.wave.as_ref().is_some_and(is_antiplane) {
             let all: Vec<u32> = (0..scene.mesh().node_count() as u32).collect();

@@ -148,7 +148,8 @@ impl Shell {
             .load(pressure)
             .energy_residual(ResidualLimit::Unchecked)
             .duration(self.duration)
-            .output(output);
+            .output(output)
+            .allow_magnitudes();
         Ok(supports.into_iter().fold(scene, Scene::support))
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use powerhouse::io::csv_cell;
+
 use super::{CaseOutcome, Peak, write_text};
 use crate::StudyError;
 
@@ -14,14 +16,15 @@ pub(super) fn write(file: &Path, outcomes: &[CaseOutcome]) -> Result<(), StudyEr
             columns.push(name.clone());
         }
     }
-    let mut text = format!("case,{}\n", columns.join(","));
+    let heads: Vec<_> = columns.iter().map(|column| csv_cell(column)).collect();
+    let mut text = format!("case,{}\n", heads.join(","));
     for (outcome, cells) in outcomes.iter().zip(&lines) {
         let value = |column: &String| {
             let found = cells.iter().find(|(name, _)| name == column);
             found.map_or(String::new(), |(_, value)| format!("{value:e}"))
         };
         let values: Vec<String> = columns.iter().map(value).collect();
-        text += &format!("{},{}\n", outcome.name, values.join(","));
+        text += &format!("{},{}\n", csv_cell(&outcome.name), values.join(","));
     }
     write_text(file, &text)
 }

@@ -1,0 +1,708 @@
+//! What is well formed and cannot be meant is refused where it stands, or warned of by name.
+
+use std::fs;
+
+use powerhouse::boundary::{Viscous, ViscousSpring};
+use powerhouse::engine::Support;
+use powerhouse::io::write_gmsh;
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{ElasticMedium, Mesh, Vec3};
+use powerhouse::{
+    Boundary, SceneDoubt, Error, Material, NameError, Part, Problem, Registry, Remark, Scene,
+    SceneFault, SceneStage,
+};
+
+use crate::support::*;
+
+/// The fault of the cube's scene with a passage replaced.
+fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault> {
+    match variants.read(old, new) {
+        Err(Error::Scene(fault)) => fault,
+        Err(other) => panic!("{new}: {other}"),
+        Ok(_) => panic!("{new} was accepted"),
+    }
+}
+
+fn doubts(remarks: &[Remark]) -> Vec<SceneDoubt> {
+    let doubts = remarks.iter().filter_map(|remark| match remark {
+        Remark::Doubt(doubt) => Some(doubt.clone()),
+        _ => None,
+    });
+    doubts.collect()
+}
+
+fn doubts_of(scene: Scene) -> Vec<SceneDoubt> {
+    doubts(scene.prepare().unwrap().remarks())
+}
+
+/// A name that stands twice in any list of names of a scene is refused at its second place; a table that
+/// says the same as an earlier one of its list is refused too.
+#[test]
+fn nothing_is_listed_twice() {
+    let variants = Variants::new("listed-twice");
+    let faces = "[\"left\", \"right\", \"front\", \"back\", \"bottom\"]";
+    let first = "\"left\", \"left\", ";
+    let load = "[[load]]\nkind = \"pressure\"\nset = \"top\"\npressure = 1e5\n";
+    let roller = "[[support]]\nkind = \"roller\"\nset = \"bottom\"\n";
+    for (old, new, list) in [
+        ("\"left\", ", first.to_owned(), "faces"),
+        (
+            "kind = \"viscous-spring\"",
+            "kind = \"viscous-spring\"\ninput = { incident-only = [\"bottom\", \"bottom\"] }".into(),
+            "incident-only",
+        ),
+        (
+            "at = [150, 150, 0]",
+            "at = [150, 150, 0]\nquantities = [\"velocity\", \"velocity\"]".into(),
+            "quantities",
+        ),
+        (
+            "[[output.history]]",
+            "[output.envelope]\nsets = [\"rock\", \"rock\"]\n[[output.history]]".into(),
+            "sets",
+        ),
+        (
+            "[time]",
+            "[[stage]]\nname = \"a\"\nexcavate = [\"rock\", \"rock\"]\n[time]".into(),
+            "excavate",
+        ),
+        (
+            "[time]",
+            "[[stage]]\nname = \"a\"\ncast = [\"rock\", \"rock\"]\n[time]".into(),
+            "cast",
+        ),
+        (
+            "[time]",
+            "[[stage]]\nname = \"a\"\npart = [{ set = \"rock\", material = \"granite\" }, { set = \"rock\", material = \"granite\" }]\n[time]".into(),
+            "part",
+        ),
+        (
+            "[time]",
+            format!("[[case]]\nname = \"a\"\nfaces = {}\n[time]", faces.replacen("\"left\", ", first, 1)),
+            "faces",
+        ),
+        (
+            "[time]",
+            "[[case]]\nname = \"a\"\ncontinuous = [\"seam\", \"seam\"]\n[time]".into(),
+            "continuous",
+        ),
+        (
+            "[time]",
+            "[[case]]\nname = \"a\"\nmaterial = [{ name = \"granite\", young = 1e10 }, { name = \"granite\", young = 2e10 }]\n[time]".into(),
+            "material",
+        ),
+        ("[time]", format!("{load}{load}[time]"), "load"),
+        ("[time]", format!("{roller}{roller}[time]"), "support"),
+        ("[boundary]", format!("{WAVE}[boundary]"), "wave"),
+        ("title =", "allow = [\"magnitudes\", \"magnitudes\"]\ntitle =".into(), "allow"),
+    ] {
+        let fault = fault(&variants, old, &new);
+        match fault.problem() {
+            Problem::Repeated { list: found, .. } | Problem::SameEntry { list: found } => {
+                assert_eq!(found, list, "{new}: {fault}");
+            }
+            other => panic!("{new}: {other}"),
+        }
+    }
+}
+
+/// A facet that two absorbing faces have, or one face named twice in Rust, would absorb twice: refused by
+/// names and element.
+#[test]
+fn no_facet_absorbs_twice() {
+    let mut mesh = cube();
+    let all: Vec<_> = ["left", "front"]
+        .iter()
+        .flat_map(|face| mesh.facet_set(face).unwrap().to_vec())
+        .collect();
+    mesh.set_facet_set("around", all).unwrap();
+    for faces in [["left", "left"], ["front", "around"], ["around", "left"]] {
+        let scene = cube_scene_on(mesh.clone());
+        let scene = scene.boundary(Boundary::new(Viscous::default(), faces));
+        let error = scene.prepare().map(|_| ()).unwrap_err();
+        let named = matches!(&error, Error::SharedFacet { first, second, .. }
+            if *first == faces[0] && *second == faces[1]);
+        assert!(named, "{faces:?}: {error}");
+    }
+}
+
+/// A list that is longer than needed is refused at its place, and so is a list where a table belongs.
+#[test]
+fn lists_have_the_length_that_is_needed() {
+    let variants = Variants::new("long-lists");
+    for (old, new, expected) in [
+        (
+            "at = [150, 150, 0]",
+            "at = [150, 150, 0, 99]",
+            "a list of length 3",
+        ),
+        (
+            "scatterer = [150, 150, 0]",
+            "scatterer = [150, 150, 0, 0, 0]",
+            "a list of length 3",
+        ),
+        (
+            "[time]",
+            "[[support]]\nkind = \"roller\"\nset = \"left\"\nnormal = [1, 0, 0, 0]\n[time]",
+            "a list of length 3",
+        ),
+        (
+            "kernel = \"hex8-full\"",
+            "damping = { kind = \"flat\", ratio = 0.05, band = [1, 10, 20] }",
+            "a list of length 2",
+        ),
+        (
+            "file = \"cube.msh\"",
+            "file = \"cube.msh\"\nwithin = { x = [0, 100, 200] }",
+            "a list of length 2",
+        ),
+        (
+            "[time]\nduration = 0.6",
+            "time = [0.6]\n[output2]",
+            "a table",
+        ),
+    ] {
+        let fault = fault(&variants, old, new);
+        assert!(fault.to_string().contains(expected), "{new}: {fault}");
+    }
+}
+
+/// A magnitude that nothing in the ground has is refused with key, value, usual range and the unit that was
+/// probably meant; where the scene allows it, it is a warning, and nothing else changes.
+#[test]
+fn magnitudes_beyond_the_usual_are_refused() {
+    let variants = Variants::new("magnitudes");
+    for (old, new, told) in [
+        (
+            "young = 9.0e9",
+            "young = 9",
+            "young = 9 Pa is beyond what is usual, 1e5 to 1.2e12 Pa; 9 GPa would be 9e9 Pa",
+        ),
+        (
+            "density = 2750",
+            "density = 2.75",
+            "2.75 t/m3 would be 2750 kg/m3",
+        ),
+        (
+            "poisson = 0.27",
+            "poisson = -0.99",
+            "poisson = -0.99 is beyond",
+        ),
+        (
+            "poisson = 0.27",
+            "poisson = 0.49999",
+            "poisson = 0.49999 is beyond",
+        ),
+        (
+            "displacement = 0.01",
+            "displacement = 10",
+            "10 mm would be 0.01 m",
+        ),
+        ("duration = 0.6", "duration = 1e9", "duration = 1e9 s"),
+        (
+            "scatterer = [150, 150, 0]",
+            "scatterer = [150, 1e300, 0]",
+            "scatterer = 1e300 m",
+        ),
+        (
+            "[time]",
+            "[[load]]\nkind = \"gravity\"\nacceleration = 1\n[time]",
+            "1 g would be 9.807 m/s2",
+        ),
+        ("title", "self_check = 2\ntitle", "2 % would be 0.02"),
+        (
+            "file = \"cube.msh\"",
+            "file = \"cube.msh\"\nscale = 1000",
+            "diagonal of the body = 5.196e5 m",
+        ),
+        (
+            "file = \"cube.msh\"",
+            "file = \"cube.msh\"\nscale = 1e-4",
+            "diagonal of the body = 0.05196 m",
+        ),
+    ] {
+        let fault = fault(&variants, old, new);
+        assert!(fault.to_string().contains(told), "{new}: {fault}");
+        assert!(
+            fault.render(false).contains("allow = [\"magnitudes\"]"),
+            "{new}"
+        );
+    }
+    let allowed = "allow = [\"magnitudes\"]\n";
+    let text = CUBE.replace("title", &format!("{allowed}title"));
+    let folder = variants.0.0.join("cube.toml");
+    let read = |old: &str, new: &str| {
+        let text = text.replacen(old, new, 1);
+        Scene::from_toml(text, &folder, &Registry::default()).unwrap()
+    };
+    assert_eq!(doubts_of(read("0.27", "0.27")), []);
+    let found = doubts_of(read("density = 2750", "density = 27"));
+    assert!(
+        found
+            .iter()
+            .any(|doubt| matches!(doubt, SceneDoubt::Magnitude(m) if m.name == "density"))
+    );
+    assert!(found.iter().all(SceneDoubt::is_warning));
+}
+
+/// Scenes composed in Rust are held to the same magnitudes: media, size of the body, gravity, duration.
+#[test]
+fn composed_scenes_have_usual_magnitudes() {
+    let box_of =
+        |size: f64| Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(size), [2; 3], "rock").unwrap();
+    let scene = |size: f64, medium: ElasticMedium| {
+        let rock = Material::from(LinearElastic::new(medium));
+        Scene::new("box", box_of(size)).part(Part::new("rock", rock))
+    };
+    let down = |g: f64| Vec3::new(0.0, 0.0, -g);
+    let medium = |young, density| ElasticMedium {
+        young,
+        density,
+        ..ROCK
+    };
+    assert!(scene(10.0, ROCK).prepare().is_ok());
+    for (scene, name) in [
+        (scene(10.0, medium(30.0, 2500.0)), "young"),
+        (scene(10.0, medium(30e9, 2.5)), "density"),
+        (scene(1e6, ROCK), "diagonal"),
+        (scene(1e-3, ROCK), "diagonal"),
+        (scene(10.0, ROCK).duration(1e9), "duration"),
+        (
+            scene(10.0, ROCK).gravity(down(1e6), |_: f64| 1.0),
+            "gravity",
+        ),
+    ] {
+        match scene.prepare().map(|_| ()) {
+            Err(Error::Magnitude { magnitude, .. }) => {
+                assert!(magnitude.name.contains(name), "{magnitude}");
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    let found = doubts_of(scene(1e6, ROCK).allow_magnitudes());
+    assert!(
+        matches!(&found[0], SceneDoubt::Magnitude(m) if m.name.contains("diagonal")),
+        "{found:?}"
+    );
+}
+
+/// Names and titles that are empty or do not show, distances and intervals beyond the body and the run, and
+/// frequencies the wrong way round are refused.
+#[test]
+fn what_is_of_no_use_is_refused() {
+    let variants = Variants::new("of-no-use");
+    for (old, new, told) in [
+        (
+            "name = \"surface\"",
+            "name = \"\"".to_owned(),
+            "found nothing",
+        ),
+        ("title = \"cube\"", "title = \" \"".into(), "found nothing"),
+        ("title = \"cube\"", "title = \"a\\u0000b\"".into(), "U+0000"),
+        ("name = \"surface\"", "name = \"a\\nb\"".into(), "U+000A"),
+        (
+            "name = \"surface\"",
+            format!("name = \"{}\"", "x".repeat(300)),
+            "300 characters",
+        ),
+        (
+            "kernel = \"hex8-full\"",
+            "rim = 1000".into(),
+            "the diagonal of the body",
+        ),
+        (
+            "kernel = \"hex8-full\"",
+            "rim = 1e300".into(),
+            "rim = 1e300 m is beyond",
+        ),
+        (
+            "at = [150, 150, 0]",
+            "at = [150, 150, 0]\nwithin = 600".into(),
+            "the diagonal of the body",
+        ),
+        (
+            "every = 0.01",
+            "every = 0.7".into(),
+            "the duration of the run, 0.6 s",
+        ),
+        (
+            "every = 0.01",
+            "energies = 1e4".into(),
+            "the duration of the run, 0.6 s",
+        ),
+        (
+            "kernel = \"hex8-full\"",
+            "damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [10, 1] }".into(),
+            "the lower frequency first",
+        ),
+    ] {
+        let fault = fault(&variants, old, &new);
+        assert!(fault.to_string().contains(told), "{new}: {fault}");
+    }
+}
+
+/// Two results never share a file, and the second name is refused where it stands, before the run; a comma
+/// and quotes in a name are no fault.
+#[test]
+fn names_of_results_are_checked_before_the_run() {
+    let variants = Variants::new("names");
+    let two = |first: &str, second: &str| {
+        let more = format!(
+            "name = \"{first}\"\nat = [150, 150, -10]\n[[output.history]]\nname = \"{second}\""
+        );
+        variants.read("name = \"surface\"", &more)
+    };
+    for (first, second) in [("a b", "a-b"), ("Crown", "crown"), ("a, b", "a\\\" b")] {
+        let Err(Error::Scene(fault)) = two(first, second) else {
+            panic!("{first} and {second} were accepted")
+        };
+        assert!(
+            fault.to_string().contains("would share the file"),
+            "{fault}"
+        );
+        let (line, _) = fault.position();
+        assert!(
+            fault
+                .render(false)
+                .contains(&format!("{line} | name = \"{second}\"")),
+            "{fault}"
+        );
+    }
+    assert!(two("crown, left", "\\\"crown\\\"").is_ok());
+    let composed = |name: &str| {
+        let mut scene = cube_scene();
+        let mut plan = scene.output_plan().clone();
+        plan = plan.history(name, Vec3::new(150.0, 150.0, -50.0), Default::default());
+        scene = scene.output(plan);
+        scene.prepare().map(|_| ()).unwrap_err()
+    };
+    assert!(matches!(
+        composed("SURFACE"),
+        Error::Name(NameError::Shared { .. })
+    ));
+    assert!(matches!(
+        composed("a\nb"),
+        Error::Name(NameError::Control { .. })
+    ));
+    let case = "[[case]]\nname = \"../up\"\n[time]";
+    let told = fault(&variants, "[time]", case).to_string();
+    assert!(told.contains("no folder"), "{told}");
+}
+
+/// Histories whose names have commas and quotes are written and read back by their names.
+#[test]
+fn names_with_commas_reach_their_files() {
+    let variants = Variants::new("commas");
+    let scene = variants
+        .read("name = \"surface\"", "name = \"crown, \\\"left\\\"\"")
+        .unwrap();
+    let mesh = scene.mesh().clone();
+    let results = run(scene);
+    let folder = powerhouse::ResultFolder::new(variants.0.0.join("out"));
+    folder.write(("cube", &mesh), &results, &[], None).unwrap();
+    let table = powerhouse::io::read_table(&folder.path().join("histories.csv")).unwrap();
+    assert_eq!(table[1].name, "crown, \"left\".ux");
+    assert_eq!(table[1].values, results.histories.columns[0].values);
+}
+
+/// A body that nothing holds under gravity is warned of by its parts, with dashpots around it too; weight
+/// that comes without a stage is warned of where it is held; with a stage there is no such doubt.
+#[test]
+fn what_falls_is_warned_of() {
+    let weight = |scene: Scene| scene.gravity(Vec3::new(0.0, 0.0, -9.81), |_: f64| 1.0);
+    let rock = || Material::from(LinearElastic::new(ROCK));
+    let bare = || weight(Scene::new("cube", cube()).part(Part::new("rock", rock())));
+    let bottom = |normal: Vec3| {
+        let mesh = cube();
+        Support::roller(mesh.nodes_of_set("bottom").unwrap(), normal)
+    };
+    let falls = |scene: Scene| {
+        let found = doubts_of(scene);
+        found.contains(&SceneDoubt::Unheld {
+            sets: vec!["rock".into()],
+        })
+    };
+    let swings = |scene: Scene| doubts_of(scene).contains(&SceneDoubt::SuddenWeight);
+    assert!(falls(bare()));
+    assert!(falls(
+        bare().boundary(Boundary::new(Viscous::default(), SIDES))
+    ));
+    assert!(falls(bare().support(bottom(Vec3::x()))));
+    let centre = Vec3::new(150.0, 150.0, 0.0);
+    let springs = || Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre);
+    for held in [
+        bare().boundary(springs()),
+        bare().support(bottom(Vec3::z())),
+        bare().support(bottom(Vec3::new(0.3, 0.0, 1.0))),
+    ] {
+        assert!(swings(held));
+    }
+    let staged = bare().stage(SceneStage::new("ground").support(bottom(Vec3::z())));
+    assert_eq!(doubts_of(staged), []);
+    // A ramp brings the weight on slowly.
+    let slow = Scene::new("cube", cube()).part(Part::new("rock", rock()));
+    let slow = slow.gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 10.0).min(1.0));
+    assert_eq!(doubts_of(slow.support(bottom(Vec3::z()))), []);
+    // One of two bodies hangs in the air.
+    let two = halves_apart();
+    let held = two.nodes_of_set("bottom").unwrap();
+    let part = |set: &str| Part::new(set, rock());
+    let scene = Scene::new("two", two)
+        .part(part("lower"))
+        .part(part("upper"));
+    let scene = weight(scene).support(Support::roller(held, Vec3::z()));
+    assert_eq!(
+        doubts_of(scene),
+        [SceneDoubt::Unheld {
+            sets: vec!["upper".into()]
+        }]
+    );
+}
+
+/// Two boxes of 300 m by 300 m one above the other that share no node.
+fn halves_apart() -> Mesh {
+    let mut mesh = cube();
+    let all = 0..mesh.element_count() as u32;
+    let (lower, upper): (Vec<u32>, Vec<u32>) = all.partition(|&e| mesh.centroid(e).z < -150.0);
+    mesh.set_element_set("lower", lower.clone()).unwrap();
+    mesh.set_element_set("upper", upper.clone()).unwrap();
+    mesh.split_between(&lower, &upper).unwrap().mesh
+}
+
+/// The cube's scene as a slice in plane strain between rollers, with other keys at will.
+fn slice(variants: &Variants, faces: &str, more: &str) -> Vec<Remark> {
+    let mesh = Mesh::box_of_hexes(
+        Vec3::new(0.0, 0.0, -300.0),
+        Vec3::new(300.0, 50.0, 0.0),
+        [6, 1, 6],
+        "rock",
+    );
+    write_gmsh(variants.0.0.join("slice.msh"), &mesh.unwrap()).unwrap();
+    let rollers = "[[support]]\nkind = \"roller\"\nset = \"front\"\n[[support]]\nkind = \"roller\"\nset = \"back\"\n";
+    let text = CUBE
+        .replace("cube.msh", "slice.msh")
+        .replace(
+            "\"left\", \"right\", \"front\", \"back\", \"bottom\"",
+            faces,
+        )
+        .replace("azimuth = 30\n", "")
+        .replace("at = [150, 150, 0]", "at = [150, 25, 0]")
+        .replace("[time]", &format!("{rollers}{more}[time]"));
+    let path = variants.0.0.join("slice.toml");
+    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    scene.prepare().unwrap().remarks().to_vec()
+}
+
+/// In a slice between rollers the other sides are as free as in a block: a forgotten absorbing side and a
+/// surface that the field loads are warned of, though all nodes of the slice are on the rollers.
+#[test]
+fn slices_have_free_sides() {
+    let variants = Variants::new("slices");
+    let all = "\"left\", \"right\", \"bottom\"";
+    let open = |remarks: &[Remark]| -> Vec<&'static str> {
+        let sides = remarks.iter().filter_map(|remark| match remark {
+            Remark::OpenSide { side, .. } => Some(*side),
+            _ => None,
+        });
+        sides.collect()
+    };
+    let sound = slice(&variants, all, "");
+    assert!(sound.iter().all(|remark| !remark.is_warning()), "{sound:?}");
+    assert_eq!(
+        open(&slice(&variants, "\"left\", \"bottom\"", "")),
+        ["right"]
+    );
+    assert_eq!(
+        open(&slice(&variants, "\"left\", \"right\"", "")),
+        ["bottom"]
+    );
+    let buried = slice(&variants, all, "[ground]\nsurface = 100\n");
+    assert!(
+        buried
+            .iter()
+            .any(|remark| matches!(remark, Remark::LoadedSurface { .. })),
+        "{buried:?}"
+    );
+}
+
+/// Supports that hold nodes where the free field moves reflect it: an oblique wave between side rollers is
+/// warned of, a vertical one between such as leave it free is not.
+#[test]
+fn rollers_against_the_field_are_warned_of() {
+    let variants = Variants::new("against-the-field");
+    let sides = |normal: &str| {
+        format!(
+            "[[support]]\nkind = \"roller\"\nset = \"left\"\nnormal = {normal}\n[[support]]\nkind = \"roller\"\nset = \"right\"\nnormal = {normal}\n"
+        )
+    };
+    let held = |remarks: &[Remark]| {
+        doubts(remarks).into_iter().find_map(|doubt| match doubt {
+            SceneDoubt::HeldField { share, .. } => Some(share),
+            _ => None,
+        })
+    };
+    let across = slice(&variants, "\"bottom\"", &sides("[1, 0, 0]"));
+    assert!(held(&across).is_some_and(|share| share > 0.5), "{across:?}");
+    // Out of the plane nothing moves.
+    let free = slice(&variants, "\"bottom\"", &sides("[0, 1, 0]"));
+    assert_eq!(held(&free), None, "{free:?}");
+}
+
+/// An absorbing face on the free surface of a half-space is warned of by name; below the surface, or in a
+/// full space, it is not.
+#[test]
+fn an_absorbing_surface_is_warned_of() {
+    let variants = Variants::new("absorbing-surface");
+    let found = |ground: &str| {
+        let scene = variants.read("\"bottom\"]", "\"bottom\", \"top\"]");
+        let source = scene
+            .unwrap()
+            .source()
+            .unwrap()
+            .text
+            .replace("[boundary]", ground);
+        let path = variants.0.0.join("top.toml");
+        let scene = Scene::from_toml(source, path, &Registry::default()).unwrap();
+        doubts_of(scene)
+    };
+    assert_eq!(
+        found("[boundary]"),
+        [SceneDoubt::AbsorbingSurface { face: "top".into() }]
+    );
+    assert_eq!(found("[ground]\nsurface = 50\n[boundary]"), []);
+    assert_eq!(found("[ground]\nspace = \"full-space\"\n[boundary]"), []);
+}
+
+/// An interval of output that is shorter than the step becomes the step, and is warned of once.
+#[test]
+fn short_intervals_are_warned_of() {
+    let variants = Variants::new("short-intervals");
+    let mut simulation = variants
+        .read("every = 0.01", "every = 1e-5")
+        .unwrap()
+        .prepare()
+        .unwrap();
+    assert_eq!(doubts(simulation.remarks()), []);
+    let step = simulation.step().unwrap();
+    simulation.step().unwrap();
+    let expected = SceneDoubt::ShortInterval {
+        what: "histories",
+        interval: 1e-5,
+        step,
+    };
+    assert_eq!(doubts(simulation.remarks()), [expected]);
+    let mut simulation = variants
+        .read("every = 0.01", "every = 0.1")
+        .unwrap()
+        .prepare()
+        .unwrap();
+    simulation.step().unwrap();
+    assert_eq!(doubts(simulation.remarks()), []);
+}
+
+/// More threads than the machine has are cut to what it has, and that is said; the run does not hang.
+#[test]
+fn threads_are_those_of_the_machine() {
+    let variants = Variants::new("threads");
+    for wanted in ["1000000", "9223372036854775807"] {
+        let scene = variants
+            .read("title", &format!("threads = {wanted}\ntitle"))
+            .unwrap();
+        let found = doubts_of(scene);
+        let [SceneDoubt::Threads { available, .. }] = found[..] else {
+            panic!("{found:?}")
+        };
+        assert!(available >= 1 && found[0].is_warning());
+    }
+    assert_eq!(
+        doubts_of(variants.read("title", "threads = 1\ntitle").unwrap()),
+        []
+    );
+}
+
+/// A rim that is the whole of its part is warned of.
+#[test]
+fn a_rim_that_is_all_is_warned_of() {
+    let variants = Variants::new("whole-rim");
+    let found = |rim: &str| doubts_of(variants.read("kernel = \"hex8-full\"", rim).unwrap());
+    assert_eq!(found("rim = 200"), [SceneDoubt::WholeRim { set: "rock".into() }]);
+    assert_eq!(found("rim = 0"), []);
+}
+
+/// Text that is not in UTF-8 is refused with line and column, a scene in UTF-16 by name; a device without
+/// an end is never read.
+#[test]
+fn files_are_text_and_have_an_end() {
+    let variants = Variants::new("encodings");
+    let path = variants.0.0.join("scene.toml");
+    let refused = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        match Scene::from_file(&path) {
+            Err(Error::Scene(fault)) => fault,
+            other => panic!("{:?}", other.map(|_| ())),
+        }
+    };
+    let mut bytes = CUBE.as_bytes().to_vec();
+    let at = CUBE.find("granite").unwrap() + 2;
+    bytes[at] = 0xff;
+    let fault = refused(&bytes);
+    assert_eq!(fault.position(), (6, 11), "{fault}");
+    assert!(fault.to_string().contains("the byte 0xff"), "{fault}");
+    fault.render(false);
+    let wide: Vec<u8> = CUBE.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let fault = refused(&[&[0xff, 0xfe], &wide[..]].concat());
+    assert!(fault.to_string().contains("UTF-16"), "{fault}");
+    fault.render(false);
+    let devices = ["/dev/zero", "/dev/urandom"];
+    for device in devices.iter().filter(|device| fs::metadata(device).is_ok()) {
+        let told = Scene::from_file(device)
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(told.contains("no regular file"), "{told}");
+        let told = fault_of_file(&variants, "cube.msh", device);
+        assert!(told.contains("no regular file"), "{told}");
+    }
+}
+
+fn fault_of_file(variants: &Variants, old: &str, new: &str) -> String {
+    fault(variants, old, new).to_string()
+}
+
+/// Nodes and elements of a mesh's file that are in no set, or in nothing, are told.
+#[test]
+fn what_a_mesh_leaves_out_is_told() {
+    let variants = Variants::new("left-out");
+    let path = variants.0.0.join("loose.msh");
+    let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"rock\"\n$EndPhysicalNames\n$Nodes\n6\n1 0 0 0\n2 9 0 0\n3 0 9 0\n4 0 0 9\n5 0 0 -9\n6 5 5 5\n$EndNodes\n$Elements\n3\n1 4 2 1 1 1 2 3 4\n2 4 2 0 2 1 3 2 5\n3 15 2 0 3 6\n$EndElements\n";
+    fs::write(&path, file).unwrap();
+    let text = "title = \"loose\"\n[mesh]\nfile = \"loose.msh\"\n[[material]]\nname = \"m\"\nlaw = \"elastic\"\nyoung = 9e9\npoisson = 0.25\ndensity = 2700\n[[part]]\nset = \"rock\"\nmaterial = \"m\"\n[[part]]\nset = \"ungrouped\"\nmaterial = \"m\"\n[time]\nduration = 0.1\n";
+    let scene = Scene::from_toml(text, variants.0.0.join("s.toml"), &Registry::default()).unwrap();
+    let expected = SceneDoubt::MeshFile {
+        nodes: 1,
+        dropped: 1,
+        ungrouped: 1,
+    };
+    assert_eq!(doubts(scene.remarks()), [expected]);
+}
+
+/// A file that is no accelerogram is refused as what it is: an empty one, a mesh, a scene, words.
+#[test]
+fn what_is_no_record_is_named() {
+    let variants = Variants::new("no-record");
+    let record = "[[record]]\nname = \"r\"\nfile = \"r.at2\"\nconvention = \"incident\"\n[time]";
+    for (content, told) in [
+        ("", "the file is empty"),
+        (" \n\n", "the file is empty"),
+        ("$MeshFormat\n2.2 0 8\n", "a Gmsh mesh"),
+        (CUBE, "a scene"),
+        ("<html></html>", "a page of markup"),
+        ("PEER record\nno header\n", "PEER AT2"),
+        ("\0\0\u{1}", "bytes that are no text"),
+    ] {
+        fs::write(variants.0.0.join("r.at2"), content).unwrap();
+        let fault = fault(&variants, "[time]", record).to_string();
+        assert!(fault.contains(told), "{content:?}: {fault}");
+        assert!(fault.contains("r.at2"), "{fault}");
+    }
+}
