@@ -55,7 +55,7 @@ impl fmt::Display for Magnitude {
             plain(*most)
         )?;
         if let Some(meant) = meant {
-            let (found, value) = (plain(*value), plain(meant.value));
+            let (found, value) = (plain(*value), plain(rounded(meant.value)));
             write!(f, "; {found} {} would be {value}{unit}", meant.unit)?;
         }
         Ok(())
@@ -78,13 +78,17 @@ pub enum MagnitudeOf {
     Scene,
 }
 
-/// A number as a person would write it, to four digits.
+/// A number to four digits.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// A number as a person would write it.
 fn plain(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs()) {
-        format!("{rounded}")
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        format!("{value}")
     } else {
-        format!("{rounded:e}")
+        format!("{value:e}")
     }
 }
 
@@ -223,6 +227,10 @@ pub(crate) const DURATION: Usual = Usual::new("s", [1e-12, 1e5]);
 pub(crate) const TIME: Usual = Usual::new("s", [1e-9, 1e5]).signed();
 /// A time step.
 pub(crate) const STEP: Usual = Usual::new("s", [1e-9, 10.0]);
+/// A share of the stable step with which a run comes to an end.
+pub(crate) const SAFETY: Usual = Usual::new("", [1e-3, 1.0]);
+/// What has no usual range.
+pub(crate) const ANY: Usual = Usual::new("", [0.0, f64::MAX]).signed();
 /// Frequencies of earthquakes, machines and blasts.
 pub(crate) const FREQUENCY: Usual = Usual::new("Hz", [1e-4, 1e6]);
 /// Coordinates, geodetic ones too.

@@ -192,7 +192,14 @@ impl Simulation {
             ("snapshots", self.plan.snapshots.map(|wish| wish.every)),
         ];
         for (what, interval) in intervals {
-            let Some(interval) = interval.filter(|interval| *interval < step) else {
+            // Nobody asks for an interval by leaving it as it is by default.
+            let own = OutputPlan::default().every;
+            let by_default = |interval: f64| match what {
+                "energies" => interval >= 0.999 * LOOKS_SHARE * self.duration,
+                _ => interval == own,
+            };
+            let short = interval.filter(|interval| *interval < step);
+            let Some(interval) = short.filter(|interval| !by_default(*interval)) else {
                 continue;
             };
             let is_said = |remark: &Remark| {

@@ -6,9 +6,10 @@ use powerhouse_explicit_core::Support;
 use powerhouse_model::{BoundaryParts, Mesh, Vec3};
 
 use super::Scene;
-use crate::scene_doubt::SceneDoubt;
-use crate::magnitude::{self, Magnitude, MagnitudeOf};
+use crate::magnitude::{self, Magnitude, MagnitudeOf, rounded};
 use crate::output::{NamedThing, check_names};
+use crate::scene_doubt::SceneDoubt;
+use crate::{Error, Remark};
 use crate::{Error, Remark};
 
 /// What a direction shares with another at least to hold a body along it: the cosine of 80 degrees.
@@ -51,7 +52,7 @@ impl Scene {
         let (low, high) = self.mesh.bounding_box();
         let diagonal = (high - low).norm();
         see(
-            magnitude::BODY.check("diagonal of the body", diagonal),
+            magnitude::BODY.check("diagonal of the body", rounded(diagonal)),
             MagnitudeOf::Mesh,
         );
         let edges = longest_edges(&self.mesh);
@@ -61,7 +62,7 @@ impl Scene {
         for edge in [extremes.0, extremes.1] {
             if edge > 0.0 && edge.is_finite() {
                 see(
-                    magnitude::ELEMENT.check("longest edge of an element", edge),
+                    magnitude::ELEMENT.check("longest edge of an element", rounded(edge)),
                     MagnitudeOf::Mesh,
                 );
             }

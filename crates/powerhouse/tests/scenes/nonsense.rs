@@ -157,8 +157,8 @@ fn lists_have_the_length_that_is_needed() {
             "a list of length 2",
         ),
         (
-            "[time]\nduration = 0.6",
-            "time = [0.6]\n[output2]",
+            "[mesh]\nfile = \"cube.msh\"",
+            "mesh = [\"cube.msh\"]",
             "a table",
         ),
     ] {
@@ -560,7 +560,8 @@ fn an_absorbing_surface_is_warned_of() {
             .source()
             .unwrap()
             .text
-            .replace("[boundary]", ground);
+            .replace("[boundary]", ground)
+            .replace("[150, 150, 0]\n[time]", "[150, 150, -150]\n[time]");
         let path = variants.0.0.join("top.toml");
         let scene = Scene::from_toml(source, path, &Registry::default()).unwrap();
         doubts_of(scene)

@@ -17,6 +17,10 @@ pub(super) fn of(table: &str, key: &str) -> Usual {
         ("record", "time_step") => usual::RECORD_STEP,
         ("record", "peak") => usual::PEAK,
         ("time", "step") => usual::STEP,
+        ("time", "safety") => usual::SAFETY,
+        // The machine says how many there are; damping says where its band may be referred to.
+        (_, "threads") => usual::ANY,
+        ("damping", "reference") => usual::NUMBER,
         ("joint", "tolerance") => usual::GAP,
         ("stage", "tolerance") => usual::SHARE,
         ("bolt", "section") => usual::SECTION,
