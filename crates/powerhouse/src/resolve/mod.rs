@@ -18,7 +18,7 @@ use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, Allowance, At, Finite, Load, NonNegative, SceneFile};
 use crate::output::NamedThing;
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep};
-use crate::{Error, Material, Part, Registry, Remark, Scene};
+use crate::{Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene};
 
 /// Composes the scene of a file.
 pub(crate) fn compose(
@@ -45,6 +45,12 @@ pub(crate) fn compose(
     scene.magnitudes_allowed = (file.allow.iter()).any(|a| **a == Allowance::Magnitudes);
     scene.places.mesh = file.mesh.file.span();
     scene.remarks.extend(left_out);
+    // Before points are looked for in a mesh of another size.
+    let of_mesh = |(_, of): &(Magnitude, MagnitudeOf)| *of == MagnitudeOf::Mesh;
+    let unusual = scene.unusual_magnitudes().into_iter().find(of_mesh);
+    if let (Some((magnitude, _)), false) = (unusual, scene.magnitudes_allowed) {
+        return Err(Fault::of_magnitude(file.mesh.file.span(), magnitude));
+    }
     scene.joints = joints;
     scene.start = file.time.start.as_ref().map_or(0.0, |start| start.get());
     scene.duration = file.time.duration.get();
