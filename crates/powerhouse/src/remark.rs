@@ -284,7 +284,9 @@ impl Remark {
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointAnew { .. } => Topic::Joints,
-            Self::NoState { .. } | Self::Doubt(SceneDoubt::ShortInterval { .. }) => Topic::Histories,
+            Self::NoState { .. } | Self::Doubt(SceneDoubt::ShortInterval { .. }) => {
+                Topic::Histories
+            }
             Self::Doubt(SceneDoubt::HeldField { .. } | SceneDoubt::AbsorbingSurface { .. }) => {
                 Topic::Input
             }

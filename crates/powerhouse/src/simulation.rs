@@ -17,7 +17,7 @@ use powerhouse_model::{
 use crate::output::{Named, OutputPlan, Recordings, Results};
 use crate::scene::{Places, ResidualLimit, TimeStep, field_motion};
 use crate::stage::{BodyAtRest, Rested, StageSink, Staging};
-use crate::{SceneDoubt, Error, Remark, SceneText};
+use crate::{Error, Remark, SceneDoubt, SceneText};
 
 /// Energies are looked at after this share of the duration if they are not recorded.
 const LOOKS_SHARE: f64 = 0.01;

@@ -189,11 +189,17 @@ mod tests {
     #[test]
     fn a_name_is_one_line_that_shows() {
         for name in ["", "  ", "a\nb", "a\0b", &"x".repeat(300)] {
-            assert!(check_names([(NamedThing::Result, name)]).is_err(), "{name:?}");
+            assert!(
+                check_names([(NamedThing::Result, name)]).is_err(),
+                "{name:?}"
+            );
         }
         for name in ["..", "../up", "a\\b"] {
             assert!(check_names([(NamedThing::Case, name)]).is_err(), "{name:?}");
-            assert!(check_names([(NamedThing::Result, name)]).is_ok(), "{name:?}");
+            assert!(
+                check_names([(NamedThing::Result, name)]).is_ok(),
+                "{name:?}"
+            );
         }
     }
 }

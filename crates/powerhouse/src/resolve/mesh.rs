@@ -7,7 +7,7 @@ use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
 use crate::fault::{Fault, SceneText};
 use crate::format::{self, At, Finite};
-use crate::{SceneDoubt, Registry, Remark};
+use crate::{Registry, Remark, SceneDoubt};
 
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 

@@ -289,14 +289,20 @@ fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
 fn check_names(file: &SceneFile) -> Result<(), Fault> {
     let output = &file.output;
     let joints = file.joints.iter().map(|j| (NamedThing::Joint, &j.name));
-    let bolts = file.bolts.iter().map(|bolts| (NamedThing::Bolts, &bolts.name));
+    let bolts = file
+        .bolts
+        .iter()
+        .map(|bolts| (NamedThing::Bolts, &bolts.name));
     let stages = file.stages.iter().map(|s| (NamedThing::Stage, &s.name));
     let histories = output.histories.iter().map(|history| &history.name);
     let relative = output.relative.iter().map(|relative| &relative.name);
     let sections = output.sections.iter().map(|section| &section.name);
     let results = histories.chain(relative).chain(sections);
     let results = results.map(|name| (NamedThing::Result, name));
-    let zones = output.joints.iter().map(|j| (NamedThing::JointZone, &j.name));
+    let zones = output
+        .joints
+        .iter()
+        .map(|j| (NamedThing::JointZone, &j.name));
     let named: Vec<(NamedThing, &At<String>)> = joints
         .chain(bolts)
         .chain(stages)

@@ -8,7 +8,7 @@ use powerhouse_model::ElementKind;
 
 use super::Scene;
 use crate::acting::{Lasting, function};
-use crate::{Damping, DampingCost, SceneDoubt, Error, Kernel, Material, Part, Remark};
+use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneDoubt};
 
 /// Elements of one part that one kernel computes with one material.
 pub(crate) struct Piece {

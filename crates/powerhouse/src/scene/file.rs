@@ -7,7 +7,7 @@ use super::Scene;
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::format::{Allowance, Case, SceneFile};
 use crate::output::{NamedThing, check_names};
-use crate::{SceneDoubt, Error, Registry, format, resolve};
+use crate::{Error, Registry, SceneDoubt, format, resolve};
 
 impl Scene {
     /// Reads a scene file, its mesh and its records; laws, kernels and boundaries are those that

@@ -10,7 +10,6 @@ use crate::magnitude::{self, Magnitude, MagnitudeOf, rounded};
 use crate::output::{NamedThing, check_names};
 use crate::scene_doubt::SceneDoubt;
 use crate::{Error, Remark};
-use crate::{Error, Remark};
 
 /// What a direction shares with another at least to hold a body along it: the cosine of 80 degrees.
 const ALONG: f64 = 0.17;
@@ -153,7 +152,12 @@ impl Scene {
             .map(|name| (NamedThing::Result, name))
             .collect();
         named.extend(self.joints.iter().map(|j| (NamedThing::Joint, &*j.name)));
-        named.extend(output.joints.iter().map(|w| (NamedThing::JointZone, &*w.name)));
+        named.extend(
+            output
+                .joints
+                .iter()
+                .map(|w| (NamedThing::JointZone, &*w.name)),
+        );
         named.extend(self.bolts.iter().map(|b| (NamedThing::Bolts, &*b.name)));
         named.extend(self.stages.iter().map(|s| (NamedThing::Stage, s.name())));
         named

@@ -8,7 +8,7 @@ use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentF
 use powerhouse_wavefield::Site;
 
 use super::{InitialMotion, Scene};
-use crate::{Damping, SceneDoubt, Error, Remark};
+use crate::{Damping, Error, Remark, SceneDoubt};
 
 /// Displacement and velocity of a field over their peaks when a body starts at rest. A wave alone is
 /// brought below half of it; several may add up.

@@ -8,8 +8,8 @@ use powerhouse::io::write_gmsh;
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::{
-    Boundary, SceneDoubt, Error, Material, NameError, Part, Problem, Registry, Remark, Scene,
-    SceneFault, SceneStage,
+    Boundary, Error, Material, NameError, Part, Problem, Registry, Remark, RunNotes, Scene,
+    SceneDoubt, SceneFault, SceneStage,
 };
 
 use crate::support::*;
@@ -399,7 +399,9 @@ fn names_with_commas_reach_their_files() {
     let mesh = scene.mesh().clone();
     let results = run(scene);
     let folder = powerhouse::ResultFolder::new(variants.0.0.join("out"));
-    folder.write(("cube", &mesh), &results, &[], None).unwrap();
+    folder
+        .write(("cube", &mesh), &results, &RunNotes::default(), None)
+        .unwrap();
     let table = powerhouse::io::read_table(&folder.path().join("histories.csv")).unwrap();
     assert_eq!(table[1].name, "crown, \"left\".ux");
     assert_eq!(table[1].values, results.histories.columns[0].values);
@@ -626,7 +628,10 @@ fn threads_are_those_of_the_machine() {
 fn a_rim_that_is_all_is_warned_of() {
     let variants = Variants::new("whole-rim");
     let found = |rim: &str| doubts_of(variants.read("kernel = \"hex8-full\"", rim).unwrap());
-    assert_eq!(found("rim = 200"), [SceneDoubt::WholeRim { set: "rock".into() }]);
+    assert_eq!(
+        found("rim = 200"),
+        [SceneDoubt::WholeRim { set: "rock".into() }]
+    );
     assert_eq!(found("rim = 0"), []);
 }
 
