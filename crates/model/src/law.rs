@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{ElasticDomain, ElasticMedium, Lane, ModelError, Strain, Stress};
+use crate::{ElasticDomain, ElasticMedium, Extents, Lane, ModelError, Strain, Stress};
 
 /// How results show a history variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,8 +103,9 @@ pub struct LawInput<'a, L: Lane> {
     pub initial: Stress<L>,
     /// The committed history, in the order of [`ConstitutiveLaw::history`].
     pub history: &'a [L],
-    /// The width of the element that a crack band runs through (m).
-    pub size: L,
+    /// How wide the element is in any direction (m): a crack band is as wide as its element along the
+    /// normal of the crack, [`Extents::along`].
+    pub extents: Extents<L>,
 }
 
 impl<'a, L: Lane> LawInput<'a, L> {
@@ -116,7 +117,7 @@ impl<'a, L: Lane> LawInput<'a, L> {
             strain,
             initial: Stress::zero(token),
             history,
-            size: L::splat(token, 1.0),
+            extents: Extents::uniform(L::splat(token, 1.0)),
         }
     }
     /// The same with another strain.
@@ -140,11 +141,17 @@ impl<'a, L: Lane> LawInput<'a, L> {
         self.initial = initial;
         self
     }
-    /// The same with a crack band width (m).
+    /// The same in an element that is equally wide in all directions (m).
     #[inline(always)]
     #[must_use]
-    pub fn with_size(mut self, size: L) -> Self {
-        self.size = size;
+    pub fn with_size(self, size: L) -> Self {
+        self.with_extents(Extents::uniform(size))
+    }
+    /// The same in an element of other widths.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_extents(mut self, extents: Extents<L>) -> Self {
+        self.extents = extents;
         self
     }
 }
@@ -222,8 +229,9 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     fn relaxes(&self) -> bool {
         false
     }
-    /// Accepts or refuses elements of a width ([`LawInput::size`], m), before a run. All are
-    /// accepted by default.
+    /// Accepts or refuses elements of a width along the normal of a crack (m), before a run. All are
+    /// accepted by default. Engines ask for the greatest and the least width of all directions
+    /// ([`Extents::principal`]) of every element; a law that accepts both accepts all between.
     ///
     /// # Errors
     /// Why, with the widths that are permitted.
@@ -393,6 +401,6 @@ fn at_lane<L: Lane, T>(
         strain: Strain(input.strain.0.map(|x| x.extract(lane))),
         initial: Stress(input.initial.0.map(|x| x.extract(lane))),
         history: &old,
-        size: input.size.extract(lane),
+        extents: Extents(input.extents.0.map(|x| x.extract(lane))),
     })
 }

@@ -24,6 +24,7 @@ mod elastic_domain;
 mod element;
 mod engine;
 mod error;
+mod extents;
 mod field;
 mod joint;
 mod lane;
@@ -50,6 +51,7 @@ pub use engine::{
     StepView, TimeIntegrator,
 };
 pub use error::{ModelError, ParameterError, RunError};
+pub use extents::Extents;
 pub use field::{FieldMotion, FieldSampler, IncidentField};
 pub use joint::{
     Bond, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView,

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, LawEnergy, LawInput,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, Extents, HistoryVariable, LawEnergy, LawInput,
     ModelError, Scalar, Strain, Stress, point_stress_change,
 };
 
@@ -51,8 +51,9 @@ pub(crate) struct Question<'a, 'm, S> {
     pub(super) strains: &'a [S],
     /// Six initial stresses (Pa) of each batch in lanes, or nothing.
     pub(super) initial: Option<&'a [S]>,
-    /// Widths of the elements of each batch (m).
-    pub(super) sizes: &'a [S],
+    /// Six numbers of the extents (m2) of each element of all batches, or of one batch if all elements
+    /// are alike, in lanes.
+    pub(super) extents: &'a [S],
     /// The histories.
     pub(super) memory: &'a mut Memory<'m, S>,
     /// Where the six changes of stress go likewise (Pa).
@@ -162,7 +163,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             points,
             strains,
             initial,
-            sizes,
+            extents,
             memory,
             stresses,
             energies,
@@ -178,6 +179,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
         let mut told = false;
         let writes = matches!(memory, Memory::Write(_));
         let length = blank.len() * L::WIDTH;
+        let is_alike = extents.len() == 6 * L::WIDTH;
         for (b, strains) in strains.chunks_exact(points).enumerate() {
             let batch = first + b;
             if let Some(initial) = initial {
@@ -185,7 +187,12 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                     initially.0[i] = L::load(token, &initial[(6 * b + i) * L::WIDTH..]);
                 }
             }
-            let size = L::load(token, &sizes[b * L::WIDTH..]);
+            let of_batch = if is_alike { 0 } else { batch };
+            let (of_batch, _) = extents[6 * of_batch * L::WIDTH..].split_at(6 * L::WIDTH);
+            let mut widths = Extents(initially.0);
+            for i in 0..6 {
+                widths.0[i] = L::load(token, &of_batch[i * L::WIDTH..]);
+            }
             if let Memory::Write(history) = &mut *memory {
                 history.retry(batch);
             }
@@ -207,7 +214,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                 };
                 let input = LawInput::new(Strain(strains[p]), old)
                     .with_initial(initially)
-                    .with_size(size);
+                    .with_extents(widths);
                 let place = b * points + p;
                 stresses[place] = L::stress_change(self.law, &input, new).0;
                 if let Some(energies) = energies.as_deref_mut()

@@ -1,6 +1,8 @@
 //! Operators in matrix terms: nodal diagonals, and secant and tangent at the present state.
 
-use powerhouse_model::{ElementKernel, Geometry, LawInput, Mat3, Operator, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElementKernel, Extents, Geometry, LawInput, Mat3, Operator, Strain, Stress, Vec3,
+};
 
 use super::Block;
 use super::law::LawParts;
@@ -80,6 +82,19 @@ where
         }
     }
 
+    /// How wide an element is.
+    fn extents_of(&self, element: usize) -> Extents<f64> {
+        let (numbers, width) = (self.extents.as_slice(), self.arrangement.width);
+        let is_one_batch = numbers.len() == 6 * width;
+        let element = if is_one_batch {
+            element % width
+        } else {
+            element
+        };
+        let place = |i| self.arrangement.place(element, i, 6);
+        Extents(core::array::from_fn(|i| numbers[place(i)].to_f64()))
+    }
+
     /// The stiffness at each point of an element under an operator.
     fn stiffness(&self, operator: Operator, element: usize, geometry: &[f64]) -> [Stiffness; P] {
         let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
@@ -109,7 +124,7 @@ where
         let initial = self.initial.as_slice();
         let initial =
             core::array::from_fn(|i| initial.get(place(i, 6)).map_or(0.0, |value| value.to_f64()));
-        let size = self.sizes.as_slice()[place(0, 1)].to_f64();
+        let extents = self.extents_of(element);
         let variables = self.history.variables();
         let mut new = vec![0.0; variables];
         core::array::from_fn(|p| {
@@ -118,7 +133,7 @@ where
                 .collect();
             let input = LawInput::new(strains[p], &old)
                 .with_initial(Stress(initial))
-                .with_size(size);
+                .with_extents(extents);
             ask(&input, &mut new)
         })
     }

@@ -66,8 +66,9 @@ struct Block<K, S, const N: usize, const P: usize> {
     /// Places of the nodes of each element, whole batches.
     places: Places<N>,
     geometry: AlignedNumbers<S>,
-    /// Cube roots of the volumes (m).
-    sizes: AlignedNumbers<S>,
+    /// Six numbers of [`Extents`](powerhouse_model::Extents) per element (m2), of one batch if all elements
+    /// are alike; empty for linear laws.
+    extents: AlignedNumbers<S>,
     /// Lumped masses of each element (kg).
     masses: Vec<[f64; N]>,
     /// Bounds of each element (rad/s).
@@ -101,7 +102,7 @@ where
     fn law_state(&self) -> LawState<'_, S> {
         LawState {
             initial: self.initial.as_slice(),
-            size: self.sizes.as_slice(),
+            extents: self.extents.as_slice(),
         }
     }
 

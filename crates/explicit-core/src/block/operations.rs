@@ -111,8 +111,8 @@ where
 pub(super) struct LawState<'a, S> {
     /// Six numbers per element, or empty.
     pub(super) initial: &'a [S],
-    /// One number per element.
-    pub(super) size: &'a [S],
+    /// Six numbers per element, or those of one batch if all elements are alike.
+    pub(super) extents: &'a [S],
 }
 
 /// Velocities, for damping and for the work of a step.
@@ -409,7 +409,7 @@ where
                 points: P,
                 strains,
                 initial: (!initial.is_empty()).then(|| &initial[6 * first * L::WIDTH..]),
-                sizes: &self.state.size[first * L::WIDTH..],
+                extents: self.state.extents,
                 memory: &mut self.history,
                 stresses,
                 energies: if wants_energy { Some(energies) } else { None },

@@ -287,8 +287,17 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
             None => self.reference.elastic_domain(),
         }
     }
+    /// As the law does with the moduli of a static stage and with those of a sudden strain: all others
+    /// lie between.
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
-        self.reference.accept_size(size)
+        let Some(spectrum) = self.spectrum() else {
+            return self.reference.accept_size(size);
+        };
+        for factor in [1.0, spectrum.unrelaxed()] {
+            let law = self.reference.with_stiffness(self.relaxed * factor);
+            law.accept_size(size)?;
+        }
+        Ok(())
     }
     fn for_step(&self, step: f64) -> Self {
         let mut law = self.clone();
