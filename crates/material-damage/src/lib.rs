@@ -77,6 +77,7 @@ mod planes;
 mod plastic_damage;
 pub mod presets;
 mod principal;
+mod remaining;
 mod root;
 mod softening;
 mod softening_plasticity;

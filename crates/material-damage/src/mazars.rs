@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Stress, each,
+    ModelError, ParameterError, RemainingStiffness, Stress, each,
 };
 
 use crate::crack_band::{self, CRACK_BAND_WIDTH};
@@ -350,6 +350,21 @@ impl ConstitutiveLaw for Mazars {
             damage: [input.history[DAMAGE], new_history[DAMAGE]],
         };
         Some(step.energy())
+    }
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        _input: &LawInput<L>,
+        new_history: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        let zero = new_history[DAMAGE].constant(0.0);
+        let undamaged = zero.constant(1.0) - new_history[DAMAGE];
+        RemainingStiffness {
+            undamaged,
+            of_path: undamaged,
+            flowed: [zero; 6],
+        }
     }
     /// The consistent one, with the width of the crack as it is; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

@@ -2,13 +2,14 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Stress, array, each,
+    ModelError, ParameterError, RemainingStiffness, Stress, array, each,
 };
 
 use crate::crack_band::{self, CRACK_BAND_WIDTH, CRUSHING_BAND_WIDTH};
 use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history::{self, PLASTIC_STRAINS, number};
+use crate::remaining::{self, strain_at_yield};
 use crate::softening::{DamageCurve, check_size};
 use crate::surface::{FlowInAxes, YieldSurface, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, tangent};
@@ -113,6 +114,7 @@ pub struct PlasticDamage<S> {
     compression: DamageCurve,
     lambda: f64,
     shear: f64,
+    strain_at_yield: f64,
 }
 
 impl<S: YieldSurface> PlasticDamage<S> {
@@ -140,6 +142,7 @@ impl<S: YieldSurface> PlasticDamage<S> {
             compression: DamageCurve::new(*compression, pressed, medium.young, closing)?,
             lambda: medium.lambda(),
             shear: medium.shear(),
+            strain_at_yield: strain_at_yield(pressed, &medium),
             parameters,
         })
     }
@@ -194,6 +197,7 @@ impl<S: YieldSurface> ElasticInSeries for PlasticDamage<S> {
         law.compression = self.compression.with_stiffness(factor);
         law.lambda *= factor;
         law.shear *= factor;
+        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]
@@ -327,6 +331,15 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let medium = self.medium();
         Some(energy::of_flow(&medium, input, new_history, Some(DAMAGE)))
+    }
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new_history: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        remaining::of_flow(input, new_history, Some(DAMAGE), self.strain_at_yield)
     }
     /// The consistent one, with the widths of bands as they are; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

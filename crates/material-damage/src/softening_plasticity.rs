@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Scalar, Stress, array, each,
+    ModelError, ParameterError, RemainingStiffness, Scalar, Stress, array, each,
 };
 
 use crate::crack_band::{self, CRUSHING_BAND_WIDTH};
@@ -10,6 +10,7 @@ use crate::dual::Dual;
 use crate::energy;
 use crate::exponential::decay;
 use crate::history::{self, PLASTIC_STRAINS, number};
+use crate::remaining::{self, strain_at_yield};
 use crate::root::{Function, zero_between};
 use crate::softening::check_size;
 use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
@@ -122,6 +123,7 @@ pub struct SofteningPlasticity<S> {
     rate: Rate,
     lambda: f64,
     shear: f64,
+    strain_at_yield: f64,
 }
 
 /// Where `b` comes from.
@@ -168,6 +170,7 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
             rate,
             lambda: medium.lambda(),
             shear: medium.shear(),
+            strain_at_yield: strain_at_yield(surface.uniaxial_compression(), &medium),
             parameters,
         })
     }
@@ -341,6 +344,15 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         Some(energy::of_flow(&self.medium(), input, new_history, None))
     }
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new_history: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        remaining::of_flow(input, new_history, None, self.strain_at_yield)
+    }
     /// The consistent one, with the width of the band as it is; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let old = input.history;
@@ -393,6 +405,7 @@ impl<S: YieldSurface> ElasticInSeries for SofteningPlasticity<S> {
         }
         law.lambda *= factor;
         law.shear *= factor;
+        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]

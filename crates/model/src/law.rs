@@ -93,6 +93,20 @@ pub struct LawEnergy<L> {
     pub recovered: L,
 }
 
+/// What damage and plastic flow have left of the elastic stiffness at a point after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RemainingStiffness<L> {
+    /// The share that damage leaves, `1 - D`. With it, and with the elastic share of the step's strain,
+    /// acts stiffness damping.
+    pub undamaged: L,
+    /// The share that the whole path so far leaves, stress over strain: damage and the plastic strain
+    /// reached lower it. With it acts the hourglass stiffness of elements that have fewer points than
+    /// modes.
+    pub of_path: L,
+    /// The increment of plastic strain in the step, engineering shears.
+    pub flowed: [L; 6],
+}
+
 /// What a law is told. Later fields do not break laws.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
@@ -223,6 +237,34 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     #[inline(always)]
     fn energy<L: Lane>(&self, _input: &LawInput<L>, _new_history: &[L]) -> Option<LawEnergy<L>> {
         None
+    }
+    /// What the step to `input` and `new_history`, which ended at a change of stress (Pa), has left of
+    /// the elastic stiffness. Engines scale with it what they add to the law's stress: stiffness damping
+    /// and hourglass stiffness.
+    ///
+    /// By default what the change of stress works on the strain over what that of the undamaged medium
+    /// would, between 0 and 1, and no plastic strain.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        _new_history: &[L],
+        change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        let medium = self.medium();
+        let first = input.strain.0[0];
+        let (zero, one) = (first.constant(0.0), first.constant(1.0));
+        let (lambda, shear) = (medium.lambda(), medium.shear());
+        let elastic = Stress::elastic(first.constant(lambda), first.constant(shear), &input.strain);
+        let whole = elastic.work(&input.strain);
+        let some = zero.less(whole);
+        let share = change.work(&input.strain) / whole.select(some, one);
+        let share = share.min(one).max(zero).select(some, one);
+        RemainingStiffness {
+            undamaged: share,
+            of_path: share,
+            flowed: [zero; 6],
+        }
     }
     /// Whether the work that [`energy`](Self::energy) does not tell of is with relaxation
     /// mechanisms, which hold some of it and dissipate the rest.

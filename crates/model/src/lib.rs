@@ -60,7 +60,7 @@ pub use joint::{
 pub use lane::{Lane, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, LawInput, PointAdapter, PointLaw,
-    point_energy, point_stress_change,
+    RemainingStiffness, point_energy, point_stress_change,
 };
 pub use load::{Constant, NodalLoad, Table, TimeFunction};
 pub use medium::ElasticMedium;

@@ -145,6 +145,9 @@ where
         let moduli = Moduli {
             lambda: medium.lambda(),
             shear: medium.shear(),
+            hourglass: (self.kernel)
+                .hourglass_modulus(medium.constrained(), medium.shear())
+                .unwrap_or(0.0),
         };
         let places = self.connect(part, arrangement.width).map_err(refused)?;
         let padded = places.len();

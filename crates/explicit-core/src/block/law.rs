@@ -10,6 +10,7 @@ use powerhouse_model::{
     ModelError, Scalar, Strain, Stress, point_stress_change,
 };
 
+use super::exchange::REMAINING;
 use super::history::History;
 use super::memory::{as_lanes, as_lanes_mut};
 use super::numbers::Aligned;
@@ -60,6 +61,15 @@ pub(crate) struct Question<'a, 'm, S> {
     pub(super) stresses: &'a mut [S],
     /// Where stored, plastic, damage and recovered energy go likewise (J/m3), if wanted.
     pub(super) energies: Option<&'a mut [S]>,
+    /// Where what is left of the stiffness goes likewise, if wanted.
+    pub(super) remaining: Option<Wanted<'a, S>>,
+}
+
+/// Where numbers of a [`RemainingStiffness`] go.
+pub(super) struct Wanted<'a, S> {
+    pub(super) numbers: &'a mut [S],
+    /// Whether all of them are wanted, or that of the path alone.
+    pub(super) all: bool,
 }
 
 /// What does not depend on the scalar.
@@ -68,6 +78,7 @@ pub(crate) trait LawParts: Send + Sync {
     fn history(&self) -> &[HistoryVariable];
     fn accept_size(&self, size: f64) -> Result<(), ModelError>;
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
+    fn of_path(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64;
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]>;
     fn relaxes(&self) -> bool;
     fn elastic_domain(&self) -> Option<ElasticDomain>;
@@ -98,6 +109,9 @@ impl<M: ConstitutiveLaw> LawParts for M {
     }
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
         point_stress_change(self, input, new_history)
+    }
+    fn of_path(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64 {
+        ConstitutiveLaw::remaining_stiffness(self, input, new_history, change).of_path
     }
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         ConstitutiveLaw::tangent(self, input)
@@ -167,6 +181,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             memory,
             stresses,
             energies,
+            remaining,
         } = self.question;
         let (strains, _) = as_lanes::<L>(token, strains).as_chunks::<6>();
         let (stresses, _) = as_lanes_mut::<L>(token, stresses).as_chunks_mut::<6>();
@@ -174,6 +189,13 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
         let mut energies = match energies {
             Some(energies) => Some(as_lanes_mut::<L>(token, energies).as_chunks_mut::<4>().0),
             None => None,
+        };
+        let (mut remaining, all) = match remaining {
+            Some(Wanted { numbers, all }) => {
+                let (places, _) = as_lanes_mut::<L>(token, numbers).as_chunks_mut::<REMAINING>();
+                (Some(places), all)
+            }
+            None => (None, false),
         };
         let mut initially = Stress::zero(token);
         let mut told = false;
@@ -216,7 +238,18 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                     .with_initial(initially)
                     .with_extents(widths);
                 let place = b * points + p;
-                stresses[place] = L::stress_change(self.law, &input, new).0;
+                let change = L::stress_change(self.law, &input, new);
+                stresses[place] = change.0;
+                if let Some(remaining) = remaining.as_deref_mut() {
+                    let left = L::remaining_stiffness(self.law, &input, new, &change);
+                    remaining[place][1] = left.of_path;
+                    if all {
+                        remaining[place][0] = left.undamaged;
+                        for i in 0..6 {
+                            remaining[place][2 + i] = left.flowed[i];
+                        }
+                    }
+                }
                 if let Some(energies) = energies.as_deref_mut()
                     && let Some(energy) = L::energy(self.law, &input, new)
                 {

@@ -1,11 +1,13 @@
 //! What a block does to all of its batches at a step.
 
-use powerhouse_model::{ElasticDomain, ElementKernel, Geometry, LawEnergy, Quad, Strain, Stress};
+use powerhouse_model::{
+    ElasticDomain, ElementKernel, Geometry, LawEnergy, Quad, RemainingStiffness, Strain, Stress,
+};
 
-use super::account::StepSums;
+use super::account::{Kept, StepSums};
 use super::batches::Batches;
 use super::exchange::Exchange;
-use super::law::{BatchLaw, Memory, Question};
+use super::law::{BatchLaw, Memory, Question, Wanted};
 use super::numbers::Aligned;
 use super::survey::{
     Summary, complementary_energy, each_lane, earlier, linear_energy, step_work, write_all,
@@ -19,14 +21,13 @@ use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 pub(super) struct Moduli {
     pub(super) lambda: f64,
     pub(super) shear: f64,
+    /// What hourglass resistance is proportional to, zero if there is none.
+    pub(super) hourglass: f64,
 }
 
-impl Moduli {
-    /// `lambda + 2 G`, which hourglass resistance is measured in.
-    pub(super) fn constrained(self) -> f64 {
-        self.lambda + 2.0 * self.shear
-    }
-}
+/// The share of hourglass stiffness that stays whatever damage and flow leave: a mode without any would
+/// grow until its neighbours stop it.
+pub(super) const LEAST_RESISTANCE: f64 = 0.01;
 
 /// Zero as long as every stress seen is a number, NaN afterwards.
 #[derive(Clone, Copy)]
@@ -69,7 +70,7 @@ where
     fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let lambda = L::splat(token, self.moduli.lambda);
         let shear = L::splat(token, self.moduli.shear);
-        let modulus = L::splat(token, self.moduli.constrained());
+        let modulus = L::splat(token, self.moduli.hourglass);
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
@@ -117,6 +118,8 @@ pub(super) struct LawState<'a, S> {
 
 /// Velocities, for damping and for the work of a step.
 pub(super) struct Rates<'a, A: BatchScalar, S> {
+    /// Length of the step (s).
+    pub(super) step: f64,
     /// By place (m/s).
     pub(super) velocity: &'a [Quad<A>],
     /// Stiffness damping coefficient (s).
@@ -130,13 +133,8 @@ pub(super) struct Rates<'a, A: BatchScalar, S> {
 /// Batches that are surely elastic, and were so a step before, are not in it: of them the work of a step
 /// is what they hold more after it.
 pub(super) struct Books<'a, S> {
-    /// Length of the step (s).
-    pub(super) step: f64,
-    /// Stresses of the step before, six numbers per point, of the batches that were in its account;
-    /// those of this step afterwards.
-    pub(super) stresses: &'a mut [S],
-    /// Which batches were in the account of the step before; which are in this one afterwards.
-    pub(super) booked: &'a mut [bool],
+    /// What is kept of the step before.
+    pub(super) kept: Kept<'a, S>,
     /// What the elements in the account did in the step.
     pub(super) sums: &'a mut StepSums,
 }
@@ -184,6 +182,8 @@ where
         let mut watch = Watch(L::splat(token, 0.0));
         let wants_energy = self.survey.is_some()
             || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
+        let damped = (self.rates.as_ref()).is_some_and(|rates| rates.damping != 0.0);
+        let wants_remaining = damped || self.moduli.hourglass != 0.0;
         let at_once = self.exchange.prepare(N, P, L::WIDTH);
         let count = self.batches.count(L::WIDTH);
         // How many of the last batches the law is still to be asked for.
@@ -199,7 +199,8 @@ where
             }
             if kept == at_once || (kept > 0 && (elastic.is_some() || end == count)) {
                 let first = end - kept;
-                let told = self.ask::<L>(first, kept, wants_energy);
+                let wanted = (wants_energy, wants_remaining.then_some(damped));
+                let told = self.ask::<L>(first, kept, wanted);
                 for place in 0..kept {
                     let modes = self.exchange.modes::<L, N>(token, place);
                     let (stresses, energies) = self.exchange.answer::<L, P>(token, place, told);
@@ -208,14 +209,19 @@ where
                     } else {
                         Answered::Plain
                     };
-                    let index = first + place;
-                    self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
+                    let remaining = if wants_remaining {
+                        Some(self.exchange.remaining::<L, P>(token, place))
+                    } else {
+                        None
+                    };
+                    let answer = (stresses, answered, remaining);
+                    self.finish::<L>(first + place, modes, answer, &mut rows.0, &mut watch);
                 }
                 kept = 0;
             }
             if let Some(stresses) = elastic {
-                let answered = Answered::Elastic;
-                self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
+                let answer = (stresses, Answered::Elastic, None);
+                self.finish::<L>(index, modes, answer, &mut rows.0, &mut watch);
             }
         }
         watch.all_finite()
@@ -287,7 +293,7 @@ where
     #[inline(always)]
     fn was_booked(&self, batch: usize) -> bool {
         let books = self.rates.as_ref().and_then(|rates| rates.books.as_ref());
-        books.is_some_and(|books| books.booked[batch])
+        books.is_some_and(|books| books.kept.booked[batch])
     }
 
     /// Forces and books of a batch with its changes of stress.
@@ -296,13 +302,24 @@ where
         &mut self,
         index: usize,
         mut modes: [[L; 3]; N],
-        mut stresses: [Stress<L>; P],
-        answered: Answered<L, P>,
+        (mut stresses, answered, remaining): Answer<L, P>,
         rows: &mut [[[S; 4]; MOST_LANES]; N],
         watch: &mut Watch<L>,
     ) {
         let token = stresses[0].0[0].token();
-        let modulus = L::splat(token, self.moduli.constrained());
+        let one = L::splat(token, 1.0);
+        // What is left of the hourglass stiffness.
+        let mut path = one;
+        if let (Some(remaining), true) = (&remaining, self.moduli.hourglass != 0.0) {
+            path = remaining[0].of_path;
+            for point in &remaining[1..] {
+                path = path + point.of_path;
+            }
+            path = path * path.constant(1.0 / P as f64);
+            path = path.max(path.constant(LEAST_RESISTANCE));
+        }
+        let whole = L::splat(token, self.moduli.hourglass);
+        let modulus = whole * path;
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
         let geometry = Geometry::<L>::new(token, batch.geometry);
         if let (Memory::Write(history), true) = (&mut self.history, batch.active.is_some()) {
@@ -342,22 +359,24 @@ where
             let velocity = velocity.elements(batch.first, L::WIDTH);
             let mut nodal = [[L::splat(token, 0.0); 3]; N];
             gather::<A, L, N>(token, velocity, &mut nodal);
+            let zero = L::splat(token, 0.0);
             let modal_rates = self.kernel.modes(&nodal);
             let strain_rates = self.kernel.strains(geometry, &modal_rates);
             if let (Some(books), Some(energy)) = (&mut rates.books, energy) {
                 let numbers = 6 * P * L::WIDTH;
-                let before = &mut books.stresses[index * numbers..(index + 1) * numbers];
-                if !core::mem::replace(&mut books.booked[index], asked) {
+                let before = &mut books.kept.stresses[index * numbers..(index + 1) * numbers];
+                let enters = !core::mem::replace(&mut books.kept.booked[index], asked);
+                if enters {
                     // The step began under Hooke's law.
                     let strains = self.kernel.strains(geometry, &modes);
-                    let began = earlier(self.moduli, books.step, &strains, &strain_rates);
+                    let began = earlier(self.moduli, rates.step, &strains, &strain_rates);
                     write_all(&began, before);
                     let held = complementary_energy(self.moduli, &volumes, &began);
                     books.sums.enter(held, &batch);
                 }
                 let work = step_work(
                     &geometry,
-                    books.step,
+                    rates.step,
                     &volumes,
                     &stresses,
                     &strain_rates,
@@ -368,11 +387,75 @@ where
                 } else {
                     books.sums.leave(work, energy.sum.stored, &batch);
                 }
+                // Hourglass energy is given up as its stiffness falls: half of the fall times the product
+                // of the strains before and after the step.
+                let place = (index * (P + 1) + P) * L::WIDTH;
+                let before = L::load(token, &books.kept.left[place..]);
+                let before = if enters { one } else { before };
+                path.store(&mut books.kept.left[place..]);
+                let fallen = before - path;
+                if fallen.any(zero.less(fallen.abs())) {
+                    let moved = times(&modal_rates, L::splat(token, rates.step));
+                    let began = less(&modes, &moved);
+                    let product = product(self.kernel, geometry, whole, [&modes, &began, &moved]);
+                    books
+                        .sums
+                        .release(fallen * product * fallen.constant(0.5), &batch);
+                }
             }
             let lambda = L::splat(token, rates.damping * self.moduli.lambda);
             let shear = L::splat(token, rates.damping * self.moduli.shear);
+            let mut shares = [one; P];
+            if let (Some(remaining), true) = (&remaining, rates.damping != 0.0) {
+                for p in 0..P {
+                    let resisted = Stress::elastic(lambda, shear, &strain_rates[p]);
+                    shares[p] =
+                        damped_share(&remaining[p], &resisted, &strain_rates[p], rates.step);
+                }
+            }
+            let mut damping_stresses = [Stress([zero; 6]); P];
             for p in 0..P {
-                stresses[p] = stresses[p] + Stress::elastic(lambda, shear, &strain_rates[p]);
+                let whole = Stress::elastic(lambda, shear, &strain_rates[p]);
+                for i in 0..6 {
+                    damping_stresses[p].0[i] = whole.0[i] * shares[p];
+                }
+                stresses[p] = stresses[p] + damping_stresses[p];
+            }
+            if let (Some(books), true) = (&mut rates.books, rates.damping != 0.0) {
+                let left = &mut books.kept.left[index * (P + 1) * L::WIDTH..];
+                if !books.kept.velocity.is_empty() {
+                    let velocity = self.batches.places.over(books.kept.velocity);
+                    let velocity = velocity.elements(batch.first, L::WIDTH);
+                    gather::<f64, L, N>(token, velocity, &mut nodal);
+                    let modal_before = self.kernel.modes(&nodal);
+                    let rates_before = self.kernel.strains(geometry, &modal_before);
+                    let mut power = zero;
+                    for p in 0..P {
+                        let before = Stress::elastic(lambda, shear, &rates_before[p]);
+                        let before = before.work(&strain_rates[p]);
+                        let before = before * L::load(token, &left[p * L::WIDTH..]);
+                        let both = before + damping_stresses[p].work(&strain_rates[p]);
+                        power = both.mul_add(volumes[p], power);
+                    }
+                    if self.moduli.hourglass != 0.0 {
+                        let before = L::load(token, &left[P * L::WIDTH..]);
+                        let change = less(&modal_rates, &modal_before);
+                        let still = times(&modal_rates, zero);
+                        let mixed = [&modal_rates, &modal_before, &change];
+                        let mixed = product(self.kernel, geometry, whole, mixed);
+                        let own = [&modal_rates, &modal_rates, &still];
+                        let own = product(self.kernel, geometry, whole, own);
+                        let both = before.mul_add(mixed, path * own);
+                        power = both.mul_add(L::splat(token, rates.damping), power);
+                    }
+                    books
+                        .sums
+                        .damp(power * power.constant(0.5 * rates.step), &batch);
+                }
+                for p in 0..P {
+                    shares[p].store(&mut left[p * L::WIDTH..]);
+                }
+                path.store(&mut left[P * L::WIDTH..]);
             }
             let damping = L::splat(token, rates.damping);
             for a in 0..N {
@@ -391,17 +474,22 @@ where
         }
     }
 
-    /// Asks the law for successive batches, whose strains are kept; writes the new histories. Yields
-    /// whether energies were wanted and told.
+    /// Asks the law for successive batches, whose strains are kept, for energies and for what is left of
+    /// the stiffness, all of it or that of the path alone; writes the new histories. Yields whether energies
+    /// were wanted and told.
     #[inline(always)]
     fn ask<L: BatchLane<Scalar = S>>(
         &mut self,
         first: usize,
         count: usize,
-        wants_energy: bool,
+        (wants_energy, wants_remaining): (bool, Option<bool>),
     ) -> bool {
         let initial = self.state.initial;
-        let (strains, stresses, energies) = self.exchange.of_points(P * count, L::WIDTH);
+        let (strains, stresses, energies, numbers) = self.exchange.of_points(P * count, L::WIDTH);
+        let remaining = match wants_remaining {
+            Some(all) => Some(Wanted { numbers, all }),
+            None => None,
+        };
         self.law.answer(
             self.lanes,
             Question {
@@ -413,9 +501,82 @@ where
                 memory: &mut self.history,
                 stresses,
                 energies: if wants_energy { Some(energies) } else { None },
+                remaining,
             },
         )
     }
+}
+
+/// Changes of stress of a batch, how they were found, and what is left of the stiffness if that is wanted.
+type Answer<L, const P: usize> = (
+    [Stress<L>; P],
+    Answered<L, P>,
+    Option<[RemainingStiffness<L>; P]>,
+);
+
+/// The share of stiffness damping that acts at a point in a step (s): what damage leaves, of the strain
+/// that is elastic. Without it a crack that opens fast would pull by the velocity of its sides, and flow
+/// overshoot its strength.
+#[inline(always)]
+fn damped_share<L: BatchLane>(
+    remaining: &RemainingStiffness<L>,
+    resisted: &Stress<L>,
+    rate: &Strain<L>,
+    step: f64,
+) -> L {
+    let (zero, one) = (resisted.0[0].constant(0.0), resisted.0[0].constant(1.0));
+    let moved = resisted.work(rate) * one.constant(step);
+    let flowed = resisted.work(&Strain(remaining.flowed));
+    let some = zero.less(moved);
+    let elastic = one - flowed / moved.select(some, one);
+    let elastic = elastic.min(one).max(zero).select(some, one);
+    remaining.undamaged * elastic
+}
+
+/// Modal values times a factor.
+#[inline(always)]
+fn times<L: BatchLane, const N: usize>(modes: &[[L; 3]; N], factor: L) -> [[L; 3]; N] {
+    let mut out = *modes;
+    for mode in &mut out {
+        for value in mode {
+            *value = *value * factor;
+        }
+    }
+    out
+}
+
+/// Modal values less others.
+#[inline(always)]
+fn less<L: BatchLane, const N: usize>(modes: &[[L; 3]; N], other: &[[L; 3]; N]) -> [[L; 3]; N] {
+    let mut out = *modes;
+    for a in 0..N {
+        for i in 0..3 {
+            out[a][i] = out[a][i] - other[a][i];
+        }
+    }
+    out
+}
+
+/// The hourglass form of two modal vectors, given with their difference: that of one and itself is
+/// twice its energy.
+#[inline(always)]
+fn product<K, L, const N: usize, const P: usize>(
+    kernel: &K,
+    geometry: Geometry<L>,
+    modulus: L,
+    [a, b, difference]: [&[[L; 3]; N]; 3],
+) -> L
+where
+    K: ElementKernel<N, P>,
+    L: BatchLane,
+{
+    let mut sum = modulus.constant(0.0);
+    for (vector, sign) in [(a, 1.0), (b, 1.0), (difference, -1.0)] {
+        if let Some(energy) = kernel.hourglass_energy(geometry, modulus, vector) {
+            sum = energy.mul_add(sum.constant(sign), sum);
+        }
+    }
+    sum
 }
 
 /// Energies of a batch in a step (J).

@@ -5,7 +5,7 @@ mod linearised;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Stress, array,
+    ModelError, ParameterError, RemainingStiffness, Stress, array,
 };
 
 use crate::crack_band;
@@ -16,6 +16,7 @@ use crate::plastic_damage::{
     COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY,
     TENSION, YIELD_STATE, share_of_tension, weaken,
 };
+use crate::remaining::{self, strain_at_yield};
 use crate::softening::check_size;
 use crate::surface::{YieldState, stiffened};
 use crate::uniaxial::UniaxialCurve;
@@ -118,6 +119,7 @@ pub struct LeeFenves {
     swelling: f64,
     lambda: f64,
     shear: f64,
+    strain_at_yield: f64,
 }
 
 impl LeeFenves {
@@ -183,6 +185,7 @@ impl LeeFenves {
             swelling: 3.0 * medium.bulk() / medium.shear() * flow,
             lambda: medium.lambda(),
             shear: medium.shear(),
+            strain_at_yield: strain_at_yield(p.compression_strength, &medium),
             parameters,
         })
     }
@@ -295,6 +298,7 @@ impl ElasticInSeries for LeeFenves {
         law.compression = self.compression.with_stiffness(factor);
         law.lambda *= factor;
         law.shear *= factor;
+        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]
@@ -450,6 +454,15 @@ impl ConstitutiveLaw for LeeFenves {
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let medium = &self.parameters.medium;
         Some(energy::of_flow(medium, input, new_history, Some(DAMAGE)))
+    }
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new_history: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        remaining::of_flow(input, new_history, Some(DAMAGE), self.strain_at_yield)
     }
     /// The consistent one, with the widths of bands as they are; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

@@ -157,10 +157,14 @@ fn case(random: &mut Random, number: usize) -> Case {
             *e *= 0.1;
         }
     }
+    let size = 0.05 + 0.3 * random.unit();
+    for (strain, width) in [(6, 13), (7, 14)] {
+        history[width] = if history[strain] > 0.0 { size } else { 0.0 };
+    }
     Case {
         history,
         strain,
-        size: 0.05 + 0.3 * random.unit(),
+        size,
     }
 }
 
