@@ -6,7 +6,7 @@ use powerhouse_model::{
 
 use super::Block;
 use super::law::LawParts;
-use super::operations::LEAST_RESISTANCE;
+use super::remaining::LEAST_RESISTANCE;
 use super::transfer::NodeScalar;
 
 /// `d stress / d strain` at a point, rows of stress (Pa).

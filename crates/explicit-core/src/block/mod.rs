@@ -12,6 +12,7 @@ mod linearised;
 mod memory;
 mod numbers;
 mod operations;
+mod remaining;
 mod stepping;
 mod survey;
 #[cfg(test)]

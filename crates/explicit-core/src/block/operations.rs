@@ -9,6 +9,7 @@ use super::batches::Batches;
 use super::exchange::Exchange;
 use super::law::{BatchLaw, Memory, Question, Wanted};
 use super::numbers::Aligned;
+use super::remaining::{LEAST_RESISTANCE, damped_share, less, product, times};
 use super::survey::{
     Summary, complementary_energy, each_lane, earlier, linear_energy, step_work, write_all,
     write_mean,
@@ -24,10 +25,6 @@ pub(super) struct Moduli {
     /// What hourglass resistance is proportional to, zero if there is none.
     pub(super) hourglass: f64,
 }
-
-/// The share of hourglass stiffness that stays whatever damage and flow leave: a mode without any would
-/// grow until its neighbours stop it.
-pub(super) const LEAST_RESISTANCE: f64 = 0.01;
 
 /// Zero as long as every stress seen is a number, NaN afterwards.
 #[derive(Clone, Copy)]
@@ -362,6 +359,12 @@ where
             let zero = L::splat(token, 0.0);
             let modal_rates = self.kernel.modes(&nodal);
             let strain_rates = self.kernel.strains(geometry, &modal_rates);
+            // What was left of the hourglass stiffness a step before.
+            let place = (index * (P + 1) + P) * L::WIDTH;
+            let mut path_before = one;
+            if let Some(books) = &rates.books {
+                path_before = L::load(token, &books.kept.left[place..]);
+            }
             if let (Some(books), Some(energy)) = (&mut rates.books, energy) {
                 let numbers = 6 * P * L::WIDTH;
                 let before = &mut books.kept.stresses[index * numbers..(index + 1) * numbers];
@@ -389,9 +392,7 @@ where
                 }
                 // Hourglass energy is given up as its stiffness falls: half of the fall times the product
                 // of the strains before and after the step.
-                let place = (index * (P + 1) + P) * L::WIDTH;
-                let before = L::load(token, &books.kept.left[place..]);
-                let before = if enters { one } else { before };
+                let before = if enters { one } else { path_before };
                 path.store(&mut books.kept.left[place..]);
                 let fallen = before - path;
                 if fallen.any(zero.less(fallen.abs())) {
@@ -438,14 +439,13 @@ where
                         power = both.mul_add(volumes[p], power);
                     }
                     if self.moduli.hourglass != 0.0 {
-                        let before = L::load(token, &left[P * L::WIDTH..]);
                         let change = less(&modal_rates, &modal_before);
                         let still = times(&modal_rates, zero);
                         let mixed = [&modal_rates, &modal_before, &change];
                         let mixed = product(self.kernel, geometry, whole, mixed);
                         let own = [&modal_rates, &modal_rates, &still];
                         let own = product(self.kernel, geometry, whole, own);
-                        let both = before.mul_add(mixed, path * own);
+                        let both = path_before.mul_add(mixed, path * own);
                         power = both.mul_add(L::splat(token, rates.damping), power);
                     }
                     books
@@ -513,71 +513,6 @@ type Answer<L, const P: usize> = (
     Answered<L, P>,
     Option<[RemainingStiffness<L>; P]>,
 );
-
-/// The share of stiffness damping that acts at a point in a step (s): what damage leaves, of the strain
-/// that is elastic. Without it a crack that opens fast would pull by the velocity of its sides, and flow
-/// overshoot its strength.
-#[inline(always)]
-fn damped_share<L: BatchLane>(
-    remaining: &RemainingStiffness<L>,
-    resisted: &Stress<L>,
-    rate: &Strain<L>,
-    step: f64,
-) -> L {
-    let (zero, one) = (resisted.0[0].constant(0.0), resisted.0[0].constant(1.0));
-    let moved = resisted.work(rate) * one.constant(step);
-    let flowed = resisted.work(&Strain(remaining.flowed));
-    let some = zero.less(moved);
-    let elastic = one - flowed / moved.select(some, one);
-    let elastic = elastic.min(one).max(zero).select(some, one);
-    remaining.undamaged * elastic
-}
-
-/// Modal values times a factor.
-#[inline(always)]
-fn times<L: BatchLane, const N: usize>(modes: &[[L; 3]; N], factor: L) -> [[L; 3]; N] {
-    let mut out = *modes;
-    for mode in &mut out {
-        for value in mode {
-            *value = *value * factor;
-        }
-    }
-    out
-}
-
-/// Modal values less others.
-#[inline(always)]
-fn less<L: BatchLane, const N: usize>(modes: &[[L; 3]; N], other: &[[L; 3]; N]) -> [[L; 3]; N] {
-    let mut out = *modes;
-    for a in 0..N {
-        for i in 0..3 {
-            out[a][i] = out[a][i] - other[a][i];
-        }
-    }
-    out
-}
-
-/// The hourglass form of two modal vectors, given with their difference: that of one and itself is
-/// twice its energy.
-#[inline(always)]
-fn product<K, L, const N: usize, const P: usize>(
-    kernel: &K,
-    geometry: Geometry<L>,
-    modulus: L,
-    [a, b, difference]: [&[[L; 3]; N]; 3],
-) -> L
-where
-    K: ElementKernel<N, P>,
-    L: BatchLane,
-{
-    let mut sum = modulus.constant(0.0);
-    for (vector, sign) in [(a, 1.0), (b, 1.0), (difference, -1.0)] {
-        if let Some(energy) = kernel.hourglass_energy(geometry, modulus, vector) {
-            sum = energy.mul_add(sum.constant(sign), sum);
-        }
-    }
-    sum
-}
 
 /// Energies of a batch in a step (J).
 pub(super) struct Energy<L> {

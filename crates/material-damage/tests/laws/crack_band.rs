@@ -31,7 +31,7 @@ fn brick(edges: [f64; 3], turn: &Mat3) -> Extents<f64> {
 fn bricks() -> Vec<Extents<f64>> {
     let mut random = Random(5);
     let mut bricks = Vec::new();
-    for aspect in [1.0, 2.0, 4.0, 10.0] {
+    for aspect in [1.0, 4.0, 10.0] {
         for axis in 0..3 {
             for [along, across] in [[1.0, aspect], [aspect, 1.0]] {
                 let mut edges = [0.1 * across; 3];
@@ -50,7 +50,7 @@ fn work(law: &(impl ConstitutiveLaw + Copy), extents: Extents<f64>, opening: f64
     let width = extents.along(&[0.0, 0.0, 1.0]);
     let mut point = PointDriver::new(*law).with_extents(extents).unwrap();
     let end = point
-        .advance(Control::uniaxial(opening / width), 4000)
+        .advance(Control::uniaxial(opening / width), 1000)
         .unwrap();
     [end.last().unwrap().work * width, width]
 }
@@ -89,9 +89,9 @@ fn cracks_take_their_energy_whatever_the_shape_of_the_brick() {
             let ratio = found / energy;
             assert!((0.98..1.02).contains(&ratio), "{name} {width} m: {ratio}");
         };
-        check(work(&plastic, extents, 2.0e-3), "plastic-damage");
-        check(work(&lee_fenves, extents, 2.0e-3), "lee-fenves");
-        check(work(&mazars, extents, 2.0e-3), "mazars");
+        check(work(&plastic, extents, 1.2e-3), "plastic-damage");
+        check(work(&lee_fenves, extents, 1.2e-3), "lee-fenves");
+        check(work(&mazars, extents, 1.2e-3), "mazars");
         let mut point = PointDriver::new(plastic).with_extents(extents).unwrap();
         let end = point.advance(Control::uniaxial(1.0e-3), 100).unwrap();
         let kept = end[99].history[13];
@@ -114,9 +114,9 @@ fn crushing_takes_its_energy_whatever_the_shape_of_the_brick() {
     })
     .unwrap();
     for extents in bricks() {
-        let [found, width] = work(&law, extents, -2.0e-2);
+        let [found, width] = work(&law, extents, -1.2e-2);
         // What the residual strength takes is not in the energy.
-        let residual = 1.0e-3 * 4.7167e6 * 2.0e-2;
+        let residual = 1.0e-3 * 4.7167e6 * 1.2e-2;
         let ratio = (found - residual) / 1.0e4;
         assert!((0.98..1.02).contains(&ratio), "{width} m: {ratio}");
     }

@@ -301,7 +301,10 @@ fn uniaxial_tension_is_followed_with_and_without_dilation() {
             let path = point.advance(Control::uniaxial(strain), steps);
             let path = path.unwrap_or_else(|error| panic!("{share} {strain} {steps}: {error}"));
             let stress = path[steps - 1].stress.0;
-            assert!((stress[2] / strength - 1.0).abs() < 1e-8, "{share} {stress:?}");
+            assert!(
+                (stress[2] / strength - 1.0).abs() < 1e-8,
+                "{share} {stress:?}"
+            );
             assert!(stress[0].abs() < 1e-8 * strength && stress[1].abs() < 1e-8 * strength);
         }
     }

@@ -216,7 +216,7 @@ fn the_papers_concrete_has_its_listed_strengths() {
 fn extreme_strains_are_finite_or_not_finite() {
     let law = Mazars::new(typical(rates(1.0))).unwrap();
     let respond = |strain: [f64; 6]| {
-        let mut new = [0.0_f64; 4];
+        let mut new = [0.0_f64; 5];
         let stress = law.stress_change(&LawInput::new(Strain(strain), &[0.0; 5]), &mut new);
         (stress, new)
     };

@@ -102,6 +102,7 @@ set = "back"
 [[wave]]
 kind = "sv"
 incidence = 60
+azimuth = 0
 pulse = {{ kind = "ricker", displacement = 0.01, frequency = 5 }}
 [boundary]
 kind = "viscous-spring"
@@ -148,32 +149,28 @@ at = [450, 0, 0]
 
 /// The wall of a hole in rock of Mohr and Coulomb with associated flow, 30 MPa far off and none inside, on a
 /// quarter of a ring of 60 x 24 one-point bricks to 20 radii by dynamic relaxation, closes as Salencon's closed
-/// form says to 6 %, or hourglass work is reported.
+/// form says to 6 % (less than half of it with the resistance of the whole stiffness), or hourglass work is
+/// reported.
 #[test]
 #[ignore = "a minute: cargo test --workspace --test scenes -- --ignored a_hole_in_associated_rock"]
-fn a_hole_in_associated_rock_closes_as_the_closed_form_or_is_warned_of() {
-    hole(15, 24, 0.06);
+fn a_hole_in_associated_rock_closes_as_the_closed_form() {
+    hole(15);
 }
 
-/// The same on a ring of a third of the elements each way.
+/// The same on a sector of three of the bricks, which by symmetry is the ring.
 #[test]
-fn a_hole_on_a_coarse_ring_closes_as_the_closed_form_or_is_warned_of() {
-    hole(5, 8, 0.06);
+fn a_sector_of_a_hole_closes_as_the_closed_form() {
+    hole(3);
 }
 
-fn hole(around: usize, outward: usize, limit: f64) {
-    let unit = Mesh::box_of_hexes(
-        Vec3::zeros(),
-        Vec3::new(1.0, 1.0, 0.1),
-        [outward, around, 1],
-        "rock",
-    );
-    let mesh = unit.unwrap().map_positions(|x| {
-        let (radius, angle) = (20.0_f64.powf(x.x), x.y * core::f64::consts::FRAC_PI_2);
-        // Straight edges stay exactly on the axes.
-        let sine = if x.y == 1.0 { 1.0 } else { angle.sin() };
-        let cosine = if x.y == 1.0 { 0.0 } else { angle.cos() };
-        Vec3::new(radius * cosine, radius * sine, x.z)
+/// So many bricks around the hole, of six degrees each.
+fn hole(around: usize) {
+    let high = Vec3::new(1.0, 1.0, 0.1);
+    let unit = Mesh::box_of_hexes(Vec3::zeros(), high, [24, around, 1], "rock").unwrap();
+    let whole = (6.0 * around as f64).to_radians();
+    let mesh = unit.map_positions(|x| {
+        let (radius, angle) = (20.0_f64.powf(x.x), x.y * whole);
+        Vec3::new(radius * angle.cos(), radius * angle.sin(), x.z)
     });
     let mesh = mesh.unwrap();
     let rollers: String = ["front", "back", "bottom", "top"]
@@ -202,8 +199,13 @@ kernel = "hex8-one-point"
 kind = "pressure"
 set = "right"
 pressure = 30e6
+[in_situ_stress]
+kind = "linear"
+level = 0
+stress = [-30e6, -30e6, -30e6, 0, 0, 0]
+gradient = [0, 0, 0, 0, 0, 0]
 [[stage]]
-name = "far"
+name = "hole"
 method = "dynamic-relaxation"
 increments = 10
 tolerance = 1e-6
@@ -211,8 +213,7 @@ tolerance = 1e-6
 duration = 1e-3
 "#
     );
-    let scene = scene(&mesh, text);
-    let simulation = scene.prepare().unwrap();
+    let simulation = scene(&mesh, text).prepare().unwrap();
     let body = simulation.bring_to_rest(None, None).unwrap().unwrap();
     let nodes = mesh.positions().iter().zip(&body.state().displacement);
     let at_wall = nodes.filter(|(x, _)| (x.x.hypot(x.y) - 1.0).abs() < 1e-9);
@@ -228,16 +229,9 @@ duration = 1e-3
     let plastic = (2.0 / (n + 1.0) * (far + share) / share).powf(1.0 / (n - 1.0));
     let outer = (1.0 - poisson) * (n * n - 1.0) / (2.0 * n) * share * plastic.powf(2.0 * n);
     let inner = ((1.0 - poisson) * (n * n + 1.0) / (2.0 * n) - poisson) * share;
-    let closed = ((2.0 * poisson - 1.0) * (far + share) + outer + inner) / (2.0 * shear);
-    // The closed form counts from the uniform state.
-    let expected = closed + (1.0 - 2.0 * poisson) * far / (2.0 * shear);
+    let expected = ((2.0 * poisson - 1.0) * (far + share) + outer + inner) / (2.0 * shear);
     let error = found / expected - 1.0;
-    let shares: Vec<f64> = body.stages()[0]
-        .hourglass
-        .iter()
-        .map(|set| set.share())
-        .collect();
-    println!("wall {found} of {expected}: {error}; hourglass {shares:?}");
-    let is_warned = shares.iter().any(|share| *share > 0.02);
-    assert!(error.abs() <= limit || is_warned, "{error} {shares:?}");
+    let hourglass = &body.stages()[0].hourglass;
+    let is_warned = hourglass.iter().any(|set| set.share() > 0.02);
+    assert!(error.abs() <= 0.06 || is_warned, "{error} {hourglass:?}");
 }
