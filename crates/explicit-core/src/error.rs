@@ -60,13 +60,17 @@ pub enum EngineError {
         volume: f64,
     },
     /// An element of a width that its law refuses.
-    #[error("element {element} of set '{set}', {size:.4} m wide: {reason}")]
+    #[error(
+        "element {element} of set '{set}', {size:.4} m wide along its {extent} extent: {reason}"
+    )]
     ElementSize {
         /// The element's number.
         element: u64,
         /// The set.
         set: String,
-        /// The element's width (m), the cube root of its volume.
+        /// `greatest` or `least`: of the widths in all directions.
+        extent: &'static str,
+        /// The element's width along it (m).
         size: f64,
         /// What the law says, with the widths that it permits.
         reason: String,

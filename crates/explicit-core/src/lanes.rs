@@ -10,8 +10,8 @@ use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use powerhouse_model::{
-    ConstitutiveLaw, Lane, LawEnergy, LawInput, NodalScalar, Stress, point_energy,
-    point_stress_change,
+    ConstitutiveLaw, Lane, LawEnergy, LawInput, NodalScalar, RemainingStiffness, Stress,
+    point_energy, point_stress_change,
 };
 use pulp::{Simd, WithSimd};
 
@@ -80,6 +80,16 @@ pub(crate) trait BatchLane: Lane {
         new_history: &[Self],
     ) -> Option<LawEnergy<Self>> {
         law.energy(input, new_history)
+    }
+    /// What is left of the stiffness.
+    #[inline(always)]
+    fn remaining_stiffness<M: ConstitutiveLaw>(
+        law: &M,
+        input: &LawInput<Self>,
+        new_history: &[Self],
+        change: &Stress<Self>,
+    ) -> RemainingStiffness<Self> {
+        law.remaining_stiffness(input, new_history, change)
     }
 }
 

@@ -120,6 +120,7 @@ mod effective_mass;
 mod error;
 mod gather;
 mod groups;
+mod hourglass;
 mod integrator;
 mod kernels;
 mod lanes;
@@ -144,6 +145,7 @@ pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, 
 pub use block::solid;
 pub use bolts::{BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSegment, BoltSet, Grout};
 pub use error::EngineError;
+pub use hourglass::HourglassShare;
 pub use integrator::{Leapfrog, OneSided};
 pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
 pub use loads::{FacePressure, FaceTraction, NodalForce, Profile};

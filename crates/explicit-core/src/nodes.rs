@@ -177,19 +177,19 @@ impl<S: Storage> NodalArrays<S> {
             });
     }
 
-    /// Sums over the plain nodes, between kick and drift, of `m v-.v+`, `c v-.v-`, `c v-.v+` and
-    /// `c v+.v+` with the masses `m` (kg) and the damping `c` (kg/s, or none), in a fixed order.
+    /// Sums over the plain nodes, between kick and drift, of `m v-.v+`, `c v-.v-`, `c v-.v+`,
+    /// `c v+.v+` and `m (v+ - v-).(v+ - v-)` with the masses `m` (kg) and the damping `c` (kg/s, or none), in a fixed order.
     pub(crate) fn products(
         &self,
         gather: &Gather,
         (groups, grouped): (&GroupMotion, impl Fn(usize) -> bool + Sync),
         mass: &[f64],
         damping: &[f64],
-    ) -> [f64; 4] {
-        let chunks: Vec<[f64; 4]> = (0..self.velocity.len().div_ceil(CHUNK))
+    ) -> [f64; 5] {
+        let chunks: Vec<[f64; 5]> = (0..self.velocity.len().div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
-                let mut sums = [0.0; 4];
+                let mut sums = [0.0; 5];
                 let mut sliders = groups.sliders.in_chunk(chunk);
                 gather.for_chunk(chunk, &self.forces, |first, internal| {
                     sliders = hold(sliders, first, internal, &self.external);
@@ -206,12 +206,13 @@ impl<S: Storage> NodalArrays<S> {
                         sums[1] += damping * before.norm_squared();
                         sums[2] += damping * across;
                         sums[3] += damping * after.norm_squared();
+                        sums[4] += mass[node] * (after - before).norm_squared();
                     }
                 });
                 sums
             })
             .collect();
-        let mut sums = [0.0; 4];
+        let mut sums = [0.0; 5];
         for chunk in chunks {
             for (sum, part) in sums.iter_mut().zip(chunk) {
                 *sum += part;

@@ -9,7 +9,7 @@ use powerhouse_model::{
 };
 
 use crate::view::View;
-use crate::{Model, Precision, StableStep};
+use crate::{HourglassShare, Model, Precision, StableStep};
 
 /// How long a run lasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,6 +166,9 @@ pub struct RunReport {
     pub energies: Vec<(&'static str, f64)>,
     /// The largest residual of the ledger over the largest energy held or put in until then.
     pub energy_residual: f64,
+    /// What hourglass resistance took of the internal work of each set: where a ledger was kept at most
+    /// as far as it was read, else what is held at the end.
+    pub hourglass: Vec<HourglassShare>,
 }
 
 /// A run that an error ended.
@@ -278,6 +281,7 @@ fn steps(
         energy: options.energy,
         energies: Vec::new(),
         residual: 0.0,
+        hourglass: Vec::new(),
         last: false,
         stopped_by: None,
         failure: None,
@@ -289,9 +293,13 @@ fn steps(
         model,
         energies,
         residual,
+        mut hourglass,
         done,
         ..
     } = stage;
+    if model.ledger.is_none() {
+        hourglass = model.hourglass_shares();
+    }
     model.close_ledger();
     let mut report = RunReport {
         steps: done,
@@ -301,6 +309,7 @@ fn steps(
         ended: Ended::Completed,
         energies,
         energy_residual: residual,
+        hourglass,
     };
     let played = result.map(|ended| report.ended = ended);
     Ok((report, played))
@@ -336,6 +345,7 @@ struct Stage<'a> {
     /// The last reading of the ledger, and the worst residual so far.
     energies: Vec<(&'static str, f64)>,
     residual: f64,
+    hourglass: Vec<HourglassShare>,
     last: bool,
     stopped_by: Option<String>,
     failure: Option<RunError>,
@@ -411,6 +421,7 @@ impl Stage<'_> {
             return Ok(());
         };
         self.energies = reading.columns;
+        self.hourglass = reading.hourglass;
         self.residual = self.residual.max(reading.residual.abs());
         let Some(check) = self.energy else {
             return Ok(());

@@ -388,3 +388,39 @@ impl ElementBlock for CheatBlock {
         self.0.set_history(fields);
     }
 }
+
+/// Kinetic energy is never negative, at whatever step a run ends and near the limit of stability too, where
+/// the product of the velocities before and after a turning point is; the account closes all the same.
+#[test]
+fn kinetic_energy_is_never_negative() {
+    let mesh = hex_box([2, 2, 2], 1.0, 0.2);
+    let mut turned = 0;
+    for steps in 1..60 {
+        let mut model = box_with_input(&mesh, rock()).build().unwrap();
+        let options = RunOptions::steps(steps).with_energy(EnergyCheck::every(1));
+        let report = go(&mut model, &Leapfrog, &options).unwrap();
+        let [kinetic, rest] = ["kinetic", "time step"].map(|name| column(&report, name));
+        assert!(kinetic >= 0.0 && rest <= 0.0, "{steps}: {kinetic} {rest}");
+        assert!(report.energy_residual < 1e-11);
+        turned += usize::from(kinetic + rest < 0.0);
+    }
+    // A single brick that rings at its highest frequency turns at almost every step.
+    let mesh = hex_box([1, 1, 1], 1.0, 0.0);
+    let held = mesh.node_set("z0").unwrap().to_vec();
+    for steps in 1..40 {
+        let mut model = Model::builder(&mesh)
+            .elements("rock", rock().boxed())
+            .support(Support::fixed(held.clone()))
+            .build()
+            .unwrap();
+        let noise = random_vectors(mesh.node_count(), 1.0, 3);
+        let still = vec![Vec3::zeros(); mesh.node_count()];
+        model.set_initial(&still, &noise).unwrap();
+        let options = RunOptions::steps(steps).with_energy(EnergyCheck::every(1));
+        let report = go(&mut model, &Leapfrog, &options).unwrap();
+        let [kinetic, rest] = ["kinetic", "time step"].map(|name| column(&report, name));
+        assert!(kinetic >= 0.0 && rest <= 0.0, "{steps}: {kinetic} {rest}");
+        turned += usize::from(kinetic + rest < 0.0);
+    }
+    assert!(turned > 0, "the scheme's own form is never negative here");
+}

@@ -281,7 +281,7 @@ fn stresses_and_energies_are_shown() {
     stress.fields.stress = true;
     let mut energy = Notes::new(Cadence::Steps(5), |view| {
         let of = |name| view.energies().iter().find(|(n, _)| *n == name).unwrap().1;
-        (of("kinetic") + of("elastic") - of("loads")) / of("elastic").max(1e-300)
+        (of("kinetic") + of("time step") + of("elastic") - of("loads")) / of("elastic").max(1e-300)
     });
     energy.fields.energy = true;
     let (stresses, balances) = (stress.seen.clone(), energy.seen.clone());

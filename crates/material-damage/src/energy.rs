@@ -67,7 +67,7 @@ pub(crate) fn of_flow<L: Lane>(
 ) -> LawEnergy<L> {
     let damage = match damage {
         Some(place) => [input.history[place], new_history[place]],
-        None => [input.size.constant(0.0); 2],
+        None => [input.strain.0[0].constant(0.0); 2],
     };
     let step = Step {
         medium,

@@ -11,10 +11,10 @@
 //! | [`ElastoPlastic`] of [`DruckerPrager`] | the same without cut-off, [`ConeFit`] | the same 8 | perfectly plastic; a cone fits one stress path of rock only | 31, 63 |
 //! | [`ElastoPlastic`] of [`TwoSurface`] | friction, dilation, cohesion, both uniaxial strengths | the same 8 | perfectly plastic; `f_c / f_t` above `N` | 49, 250 |
 //! | [`ElastoPlastic`] of [`HoekBrown`] | strength and constant of intact rock, geological strength index, disturbance, share of dilation | the same 8 | perfectly plastic; isotropic rock mass | 48, 3700 |
-//! | [`SofteningPlasticity`] of any surface | surface, [`StrengthFall`], residual share | 10: also plastic shortening, strength lost | elements up to [`largest_size`](SofteningPlasticity::largest_size); opening alone softens nothing | 40, 750 |
-//! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 13: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions | 40, 440 |
-//! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 13 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak | 51, 1500 |
-//! | [`Mazars`] | threshold, softening in tension and compression | 4: equivalent strain, `d_t`, `d_c`, `D` | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) | 40, 440 |
+//! | [`SofteningPlasticity`] of any surface | surface, [`StrengthFall`], residual share | 11: also plastic shortening, strength lost, band width | elements up to [`largest_size`](SofteningPlasticity::largest_size); opening alone softens nothing | 40, 750 |
+//! | [`PlasticDamage`] of any surface (Eq. 25 of the paper) | surface, [`Softening`] in tension and compression, stiffness recovery | 15: also two equivalent plastic strains, `d_t`, `d_c`, `D`, damage type, two band widths | elements up to [`largest_size`](PlasticDamage::largest_size); one scalar `D` for all directions | 40, 440 |
+//! | [`LeeFenves`] ("concrete damaged plasticity") | strengths, biaxial and meridian ratios, dilation, energies, shares of damage, stiffness recovery | the same 15 | elements up to [`largest_size`](LeeFenves::largest_size); crushing is objective without hardening before the peak | 51, 1500 |
+//! | [`Mazars`] | threshold, softening in tension and compression | 5: equivalent strain, `d_t`, `d_c`, `D`, band width | no plastic strain; by fracture energy only within [`permitted_sizes`](Mazars::permitted_sizes) | 40, 440 |
 //! | [`FlatDamping`] of any of them | [`RelaxationSpectrum`], [`ReferenceFrequency`] | 6 more per mechanism | damping within a band of frequencies; waves get dispersive, the stable step 10 % shorter at 5 % | more by a few per mechanism |
 //!
 //! The last column is what a point costs in double precision, one after the other, in nanoseconds on
@@ -57,6 +57,7 @@
 //! solution, so that rarer candidates are computed only while some point of a pack has none.
 
 mod consistency;
+mod crack_band;
 mod driver;
 mod drucker_prager;
 mod dual;
@@ -76,6 +77,7 @@ mod planes;
 mod plastic_damage;
 pub mod presets;
 mod principal;
+mod remaining;
 mod root;
 mod softening;
 mod softening_plasticity;

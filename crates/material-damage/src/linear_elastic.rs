@@ -57,7 +57,7 @@ impl ConstitutiveLaw for LinearElastic {
             input,
             elastic: input.strain,
             flowed: None,
-            damage: [input.size.constant(0.0); 2],
+            damage: [input.strain.0[0].constant(0.0); 2],
         };
         Some(step.energy())
     }

@@ -2,9 +2,10 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Stress, each,
+    ModelError, ParameterError, RemainingStiffness, Stress, each,
 };
 
+use crate::crack_band::{self, CRACK_BAND_WIDTH};
 use crate::dual::Dual;
 use crate::energy::Step;
 use crate::history::{self, number};
@@ -60,12 +61,14 @@ const EQUIVALENT: usize = 0;
 const DAMAGE_TENSION: usize = 1;
 const DAMAGE_COMPRESSION: usize = 2;
 const DAMAGE: usize = 3;
-const HISTORY: [HistoryVariable; 4] = {
+const WIDTH: usize = 4;
+const HISTORY: [HistoryVariable; 5] = {
     [
         number("equivalent_strain"),
         number("damage_tension"),
         number("damage_compression"),
         number("damage"),
+        CRACK_BAND_WIDTH,
     ]
 };
 
@@ -79,7 +82,8 @@ const HISTORY: [HistoryVariable; 4] = {
 /// strain `e` includes that of the initial stress, `C^-1 sigma0`.
 ///
 /// History: the largest equivalent strain (of steps in which the strain as a whole was above the
-/// threshold), `d_t`, `d_c` and `D`. There is no plastic strain:
+/// threshold), `d_t`, `d_c`, `D`, and the width of the element along the greatest principal strain at
+/// first damage, which the crack keeps. There is no plastic strain:
 /// unloading goes to the origin. With the weights `D` may fall on paths between tension and
 /// compression. A strain that is not finite gives a stress that is not finite.
 ///
@@ -301,15 +305,16 @@ impl ConstitutiveLaw for Mazars {
         if !first.any(damaged) {
             return change;
         }
-        let values = PrincipalAxes::of(&total).values;
-
-        let grown = self.grown(&values, old[EQUIVALENT], input.size);
+        let axes = PrincipalAxes::of(&total);
+        let width = crack_band::width(old[WIDTH], &input.extents, &axes.directions[0]);
+        let grown = self.grown(&axes.values, old[EQUIVALENT], width);
         let damage = grown.damage;
         for (variable, value) in [
             (EQUIVALENT, grown.equivalent),
             (DAMAGE_TENSION, grown.torn),
             (DAMAGE_COMPRESSION, grown.broken),
             (DAMAGE, damage),
+            (WIDTH, crack_band::kept(old[WIDTH], width, grown.torn)),
         ] {
             new_history[variable] = value.select(damaged, old[variable]);
         }
@@ -346,10 +351,28 @@ impl ConstitutiveLaw for Mazars {
         };
         Some(step.energy())
     }
-    /// The consistent one; at a kink that of one side.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        _input: &LawInput<L>,
+        new_history: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        let zero = new_history[DAMAGE].constant(0.0);
+        let undamaged = zero.constant(1.0) - new_history[DAMAGE];
+        RemainingStiffness {
+            undamaged,
+            of_path: undamaged,
+            flowed: [zero; 6],
+        }
+    }
+    /// The consistent one, with the width of the crack as it is; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let medium = &self.parameters.medium;
         let before = input.history[EQUIVALENT];
+        let total = input.initial + Stress::elastic(self.lambda, self.shear, &input.strain);
+        let normal = PrincipalAxes::of(&total).directions[0];
+        let width = crack_band::width(input.history[WIDTH], &input.extents, &normal);
         let respond = |trial: &[Dual; 3]| {
             let stress = Stress([
                 trial[0].value,
@@ -362,7 +385,7 @@ impl ConstitutiveLaw for Mazars {
             if self.bound(&stress).max(before) <= self.parameters.threshold {
                 return *trial;
             }
-            let size = Dual::fixed(input.size);
+            let size = Dual::fixed(width);
             let grown = self.grown(trial, Dual::fixed(before), size);
             trial.map(|s| (Dual::fixed(1.0) - grown.damage) * s)
         };

@@ -2,12 +2,14 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Stress, array, each,
+    ModelError, ParameterError, RemainingStiffness, Stress, array, each,
 };
 
+use crate::crack_band::{self, CRACK_BAND_WIDTH, CRUSHING_BAND_WIDTH};
 use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history::{self, PLASTIC_STRAINS, number};
+use crate::remaining::{self, strain_at_yield};
 use crate::softening::{DamageCurve, check_size};
 use crate::surface::{FlowInAxes, YieldSurface, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, tangent};
@@ -37,7 +39,9 @@ pub(crate) const DAMAGE_COMPRESSION: usize = 9;
 pub(crate) const DAMAGE: usize = 10;
 const DAMAGE_TYPE: usize = 11;
 pub(crate) const YIELD_STATE: usize = 12;
-pub(crate) const HISTORY: [HistoryVariable; 13] = {
+pub(crate) const CRACK_WIDTH: usize = 13;
+pub(crate) const CRUSHING_WIDTH: usize = 14;
+pub(crate) const HISTORY: [HistoryVariable; 15] = {
     let [xx, yy, zz, xy, yz, zx] = PLASTIC_STRAINS;
     [
         xx,
@@ -53,6 +57,8 @@ pub(crate) const HISTORY: [HistoryVariable; 13] = {
         number("damage"),
         history::DAMAGE_TYPE,
         history::YIELD_STATE,
+        CRACK_BAND_WIDTH,
+        CRUSHING_BAND_WIDTH,
     ]
 };
 
@@ -71,8 +77,9 @@ pub(crate) const HISTORY: [HistoryVariable; 13] = {
 /// # History
 /// Plastic strain (six components, engineering shears), `e_t`, `e_c`, `d_t`, `d_c`, `D`, the
 /// damage type (0 none, 1 tension, 2 shear or compression, 3 both; of `d_t` and `d_c` above a
-/// thousandth) and the
-/// [`YieldState`](crate::YieldState) of the last step.
+/// thousandth), the [`YieldState`](crate::YieldState) of the last step, and the widths of the element
+/// along the greatest and the least principal stress at first damage in tension and in compression: a
+/// crack opens along the one, a band of crushing shortens along the other, and either keeps its width.
 ///
 /// # Valid range
 /// `D` stays below one by the residual stiffness. Softening by fracture energy permits elements
@@ -95,7 +102,7 @@ pub(crate) const HISTORY: [HistoryVariable; 13] = {
 /// let concrete = presets::paper_concrete()?;
 /// concrete.check_size(0.5)?;
 /// let strain = Strain([4.0e-4, 0.0, 0.0, 0.0, 0.0, 0.0]);
-/// let (old, mut new) = ([0.0; 13], [0.0; 13]);
+/// let (old, mut new) = ([0.0; 15], [0.0; 15]);
 /// concrete.stress_change(&LawInput::new(strain, &old).with_size(0.5), &mut new);
 /// assert!(new[8] > 0.5, "the point has cracked: d_t = {}", new[8]);
 /// # Ok::<(), powerhouse_material_damage::MaterialError>(())
@@ -107,6 +114,7 @@ pub struct PlasticDamage<S> {
     compression: DamageCurve,
     lambda: f64,
     shear: f64,
+    strain_at_yield: f64,
 }
 
 impl<S: YieldSurface> PlasticDamage<S> {
@@ -134,6 +142,7 @@ impl<S: YieldSurface> PlasticDamage<S> {
             compression: DamageCurve::new(*compression, pressed, medium.young, closing)?,
             lambda: medium.lambda(),
             shear: medium.shear(),
+            strain_at_yield: strain_at_yield(pressed, &medium),
             parameters,
         })
     }
@@ -143,13 +152,24 @@ impl<S: YieldSurface> PlasticDamage<S> {
         &self.parameters
     }
 
-    /// `d_t` and `d_c` of equivalent plastic strains in an element of a width (m).
+    /// `d_t` and `d_c` of equivalent plastic strains in bands of widths (m).
     #[inline(always)]
-    fn damage<L: Lane>(&self, [opened, crushed]: [L; 2], size: L) -> [L; 2] {
+    fn damage<L: Lane>(&self, [opened, crushed]: [L; 2], widths: [L; 2]) -> [L; 2] {
         let most = 1.0 - self.parameters.residual_stiffness;
         [
-            self.tension.damage(opened, size, most),
-            self.compression.damage(crushed, size, most),
+            self.tension.damage(opened, widths[0], most),
+            self.compression.damage(crushed, widths[1], most),
+        ]
+    }
+
+    /// The widths of the bands of cracks and of crushing (m), from the axes of the trial stress.
+    #[inline(always)]
+    fn widths<L: Lane>(&self, input: &LawInput<L>, directions: &[[L; 3]; 3]) -> [L; 2] {
+        let [first, _, last] = directions;
+        let old = input.history;
+        [
+            crack_band::width(old[CRACK_WIDTH], &input.extents, first),
+            crack_band::width(old[CRUSHING_WIDTH], &input.extents, last),
         ]
     }
 
@@ -177,6 +197,7 @@ impl<S: YieldSurface> ElasticInSeries for PlasticDamage<S> {
         law.compression = self.compression.with_stiffness(factor);
         law.lambda *= factor;
         law.shear *= factor;
+        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]
@@ -276,8 +297,12 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             let opened = old[TENSION] + positive(flow.plastic);
             let crushed = (one - tension) * positive(each(&flow.plastic, |e| -e));
             let crushed = old[COMPRESSION] + crushed;
-            let [torn, broken] = self.damage([opened, crushed], input.size);
+            let widths = self.widths(input, &flow.directions);
+            let [torn, broken] = self.damage([opened, crushed], widths);
+            let kept = |place: usize, width, damage| crack_band::kept(old[place], width, damage);
             for (variable, value) in [
+                (CRACK_WIDTH, kept(CRACK_WIDTH, widths[0], torn)),
+                (CRUSHING_WIDTH, kept(CRUSHING_WIDTH, widths[1], broken)),
                 (TENSION, opened),
                 (COMPRESSION, crushed),
                 (DAMAGE_TENSION, torn.max(old[DAMAGE_TENSION])),
@@ -307,13 +332,24 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         let medium = self.medium();
         Some(energy::of_flow(&medium, input, new_history, Some(DAMAGE)))
     }
-    /// The consistent one; at a kink that of one side.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new_history: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        remaining::of_flow(input, new_history, Some(DAMAGE), self.strain_at_yield)
+    }
+    /// The consistent one, with the widths of bands as they are; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let p = &self.parameters;
         let old = input.history;
         let medium = self.medium();
         let elastic = difference(&input.strain.0, old);
         let fixed = |variable: usize| Dual::fixed(old[variable]);
+        let trial = input.initial + Stress::elastic(self.lambda, self.shear, &elastic);
+        let widths = self.widths(input, &PrincipalAxes::of(&trial).directions);
         let respond = |trial: &[Dual; 3]| {
             let (mut torn, mut broken) = (fixed(DAMAGE_TENSION), fixed(DAMAGE_COMPRESSION));
             let mut stress = *trial;
@@ -328,7 +364,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
                     fixed(TENSION) + positive(plastic),
                     fixed(COMPRESSION) + crushed,
                 ];
-                let [grown, ground] = self.damage(strains, Dual::fixed(input.size));
+                let [grown, ground] = self.damage(strains, widths.map(Dual::fixed));
                 (torn, broken) = (grown.max(torn), ground.max(broken));
             }
             let tension = share_of_tension(&stress);

@@ -12,7 +12,7 @@ use crate::{
 ///
 /// The listed tensile strength of 1.3 MPa lies beyond the apex (1.166 MPa): the surface in force
 /// yields at 0.935 MPa in uniaxial tension and at 4.717 MPa in uniaxial compression, not at the
-/// listed 35 MPa.
+/// listed 35 MPa. [`PAPER_ROCK_LISTED`] honours the listed strengths.
 ///
 /// Source: Wang, Chen & Xiao (2019), Table 1.
 pub const PAPER_ROCK: MohrCoulombParameters = MohrCoulombParameters {
@@ -28,7 +28,8 @@ pub const PAPER_ROCK: MohrCoulombParameters = MohrCoulombParameters {
 ///
 /// The listed tensile strength of 1.27 MPa lies beyond the apex (1.183 MPa): the surface in force
 /// yields at 1.006 MPa in uniaxial tension and at 6.721 MPa in uniaxial compression, not at the
-/// listed 16.7 MPa.
+/// listed 16.7 MPa. [`PAPER_CONCRETE_LISTED`], [`PAPER_CONCRETE_LEE_FENVES`] and
+/// [`PAPER_CONCRETE_MAZARS`] honour the listed strengths.
 ///
 /// Source: Wang, Chen & Xiao (2019), Table 1.
 pub const PAPER_CONCRETE: MohrCoulombParameters = MohrCoulombParameters {
@@ -72,7 +73,7 @@ pub const PAPER_ROCK_LISTED: TwoSurfaceParameters = TwoSurfaceParameters {
 /// The paper gives no softening. Here cracks take 133 N/m (fib Model Code 2010: `73 f_cm^0.18`
 /// with 28 MPa), crushing takes 36 kN/m (Nakamura & Higai 2001: `8.8 sqrt(f_c)` N/mm with 16.7
 /// MPa), both thresholds are zero; closed cracks regain their stiffness, a thousandth of it is
-/// never lost.
+/// never lost. It yields and crushes where [`PAPER_CONCRETE`] does, below the listed strengths.
 ///
 /// # Errors
 /// None with these numbers.

@@ -2,17 +2,19 @@
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Scalar, Stress, array, each,
+    ModelError, ParameterError, RemainingStiffness, Scalar, Stress, array, each,
 };
 
+use crate::crack_band::{self, CRUSHING_BAND_WIDTH};
 use crate::dual::Dual;
 use crate::energy;
 use crate::exponential::decay;
 use crate::history::{self, PLASTIC_STRAINS, number};
+use crate::remaining::{self, strain_at_yield};
 use crate::root::{Function, zero_between};
 use crate::softening::check_size;
 use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
-use crate::{ElasticInSeries, MaterialError, tangent};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
 
 /// How fast strength falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +47,8 @@ const EQUIVALENT: usize = 6;
 const SHORTENING: usize = 7;
 const LOST: usize = 8;
 const YIELD_STATE: usize = 9;
-const HISTORY: [HistoryVariable; 10] = {
+const WIDTH: usize = 10;
+const HISTORY: [HistoryVariable; 11] = {
     let [xx, yy, zz, xy, yz, zx] = PLASTIC_STRAINS;
     [
         xx,
@@ -58,6 +61,7 @@ const HISTORY: [HistoryVariable; 10] = {
         number("plastic_shortening"),
         number("strength_lost"),
         history::YIELD_STATE,
+        CRUSHING_BAND_WIDTH,
     ]
 };
 
@@ -74,8 +78,9 @@ const HISTORY: [HistoryVariable; 10] = {
 ///
 /// # History
 /// Plastic strain (six components, engineering shears), the equivalent plastic strain `sum
-/// sqrt(2/3 de_p : de_p)`, `k`, the strength lost `1 - s`, and the
-/// [`YieldState`](crate::YieldState) of the last step.
+/// sqrt(2/3 de_p : de_p)`, `k`, the strength lost `1 - s`, the
+/// [`YieldState`](crate::YieldState) of the last step, and the width of the element along the least
+/// principal stress when it first lost strength, which the band keeps.
 ///
 /// # Return
 /// A surface and its flow that are scaled by `s` return a trial to `s` times where the whole surface
@@ -107,7 +112,7 @@ const HISTORY: [HistoryVariable; 10] = {
 /// })?;
 /// rock.check_size(0.5)?;
 /// let strain = Strain([2.5e-3, 2.5e-3, -5.0e-3, 0.0, 0.0, 0.0]);
-/// let (old, mut new) = ([0.0; 10], [0.0; 10]);
+/// let (old, mut new) = ([0.0; 11], [0.0; 11]);
 /// rock.stress_change(&LawInput::new(strain, &old).with_size(0.5), &mut new);
 /// assert!(new[8] > 0.5, "half of the strength is lost: {}", new[8]);
 /// # Ok::<(), MaterialError>(())
@@ -118,6 +123,7 @@ pub struct SofteningPlasticity<S> {
     rate: Rate,
     lambda: f64,
     shear: f64,
+    strain_at_yield: f64,
 }
 
 /// Where `b` comes from.
@@ -164,6 +170,7 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
             rate,
             lambda: medium.lambda(),
             shear: medium.shear(),
+            strain_at_yield: strain_at_yield(surface.uniaxial_compression(), &medium),
             parameters,
         })
     }
@@ -308,11 +315,12 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
             // What did not yield must not keep others waiting.
             *waiting = value.select(yielded, zero);
         }
+        let width = crack_band::width(old[WIDTH], &input.extents, &axes.directions[2]);
         let lacking = Lacking {
             law: self,
             trial: waiting,
             old: old[SHORTENING],
-            rate: self.rate(input.size),
+            rate: self.rate(width),
         };
         let shortening = self.shortening(&lacking);
         let lost = self.lost(shortening, lacking.rate);
@@ -325,6 +333,8 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
         new_history[SHORTENING] = shortening.select(yielded, old[SHORTENING]);
         new_history[LOST] = lost.max(old[LOST]).select(yielded, old[LOST]);
         new_history[YIELD_STATE] = flow.state;
+        let width = crack_band::kept(old[WIDTH], width, lost);
+        new_history[WIDTH] = width.select(yielded, old[WIDTH]);
         flow.stress_change(&change, &input.initial)
     }
     fn elastic_domain(&self) -> Option<ElasticDomain> {
@@ -334,11 +344,23 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         Some(energy::of_flow(&self.medium(), input, new_history, None))
     }
-    /// The consistent one; at a kink that of one side.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new_history: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        remaining::of_flow(input, new_history, None, self.strain_at_yield)
+    }
+    /// The consistent one, with the width of the band as it is; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let old = input.history;
         let elastic = energy::difference(&input.strain.0, old);
         let strength = 1.0 - old[LOST];
+        let trial = input.initial + Stress::elastic(self.lambda, self.shear, &elastic);
+        let least = PrincipalAxes::of(&trial).directions[2];
+        let rate = self.rate(crack_band::width(old[WIDTH], &input.extents, &least));
         let respond = |trial: &[Dual; 3]| {
             let values = trial.map(|s| s.value);
             let scaled = values.map(|s| s / strength);
@@ -349,21 +371,21 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
                 law: self,
                 trial: values,
                 old: old[SHORTENING],
-                rate: self.rate(input.size),
+                rate,
             };
             let shortening = self.shortening(&lacking);
             let lacking = |trial: [Dual; 3]| Lacking {
                 law: self,
                 trial,
                 old: Dual::fixed(old[SHORTENING]),
-                rate: Dual::fixed(lacking.rate),
+                rate: Dual::fixed(rate),
             };
             let shortening = tangent::implicit(
                 shortening,
                 |shortening| lacking(values.map(Dual::fixed)).at(shortening),
                 |shortening| lacking(*trial).at(shortening),
             );
-            let lost = self.lost(shortening, Dual::fixed(self.rate(input.size)));
+            let lost = self.lost(shortening, Dual::fixed(rate));
             self.returned(trial, Dual::fixed(1.0) - lost).stress
         };
         let medium = self.medium();
@@ -383,6 +405,7 @@ impl<S: YieldSurface> ElasticInSeries for SofteningPlasticity<S> {
         }
         law.lambda *= factor;
         law.shear *= factor;
+        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]

@@ -314,6 +314,8 @@ pub(crate) struct FlowInAxes<L: Lane> {
     pub(crate) stress: [L; 3],
     /// Principal increments of plastic strain, zero where nothing flowed.
     pub(crate) plastic: [L; 3],
+    /// Unit vectors that belong to them.
+    pub(crate) directions: [[L; 3]; 3],
 }
 
 impl<L: Lane> FlowInAxes<L> {
@@ -354,6 +356,7 @@ impl<L: Lane> FlowInAxes<L> {
             yielded: *yielded,
             stress: pick(*yielded, &returned.stress, &axes.values),
             plastic: each(&plastic, |x| x.select(*yielded, zero)),
+            directions: axes.directions,
         }
     }
 }

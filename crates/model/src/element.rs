@@ -105,8 +105,9 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
     /// Strains at the points from modal displacements, or strain rates from modal velocities.
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; N]) -> [Strain<L>; P];
     /// Modal forces (N): `sum_p B_p^T sigma_p V_p`, plus what resists the part of the modal
-    /// displacement `modes` that the points do not see (hourglass), for a medium whose modulus
-    /// `lambda + 2 G` is `modulus` (Pa).
+    /// displacement `modes` that the points do not see (hourglass), for a medium of which
+    /// [`hourglass_modulus`](Self::hourglass_modulus) is `modulus` (Pa); less of it where the law has
+    /// less stiffness left.
     fn forces<L: Lane>(
         &self,
         geometry: Geometry<L>,
@@ -114,6 +115,11 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
         modulus: L,
         modes: &[[L; 3]; N],
     ) -> [[L; 3]; N];
+    /// The modulus (Pa) that hourglass resistance is proportional to, of a medium with `lambda + 2 G` and
+    /// `G` (Pa); none, the default, if the points see every mode.
+    fn hourglass_modulus(&self, _constrained: f64, _shear: f64) -> Option<f64> {
+        None
+    }
     /// The energy (J) held by the hourglass resistance of [`forces`](Self::forces), or `None` if
     /// the points see every mode.
     #[inline(always)]
@@ -205,7 +211,7 @@ pub enum Operator {
 pub struct BlockEnergy {
     /// Recoverable.
     pub elastic: f64,
-    /// Held by hourglass resistance.
+    /// Held by hourglass resistance, and taken where that fell with the stiffness of the law.
     pub hourglass: f64,
     /// Dissipated by plastic flow, accumulated.
     pub plastic: f64,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{ElasticDomain, ElasticMedium, Lane, ModelError, Strain, Stress};
+use crate::{ElasticDomain, ElasticMedium, Extents, Lane, ModelError, Strain, Stress};
 
 /// How results show a history variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +93,20 @@ pub struct LawEnergy<L> {
     pub recovered: L,
 }
 
+/// What damage and plastic flow have left of the elastic stiffness at a point after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RemainingStiffness<L> {
+    /// The share that damage leaves, `1 - D`. With it, and with the elastic share of the step's strain,
+    /// acts stiffness damping.
+    pub undamaged: L,
+    /// The share that the whole path so far leaves, stress over strain: damage and the plastic strain
+    /// reached lower it. With it acts the hourglass stiffness of elements that have fewer points than
+    /// modes.
+    pub of_path: L,
+    /// The increment of plastic strain in the step, engineering shears.
+    pub flowed: [L; 6],
+}
+
 /// What a law is told. Later fields do not break laws.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
@@ -103,8 +117,9 @@ pub struct LawInput<'a, L: Lane> {
     pub initial: Stress<L>,
     /// The committed history, in the order of [`ConstitutiveLaw::history`].
     pub history: &'a [L],
-    /// The width of the element that a crack band runs through (m).
-    pub size: L,
+    /// How wide the element is in any direction (m): a crack band is as wide as its element along the
+    /// normal of the crack, [`Extents::along`].
+    pub extents: Extents<L>,
 }
 
 impl<'a, L: Lane> LawInput<'a, L> {
@@ -116,7 +131,7 @@ impl<'a, L: Lane> LawInput<'a, L> {
             strain,
             initial: Stress::zero(token),
             history,
-            size: L::splat(token, 1.0),
+            extents: Extents::uniform(L::splat(token, 1.0)),
         }
     }
     /// The same with another strain.
@@ -140,11 +155,17 @@ impl<'a, L: Lane> LawInput<'a, L> {
         self.initial = initial;
         self
     }
-    /// The same with a crack band width (m).
+    /// The same in an element that is equally wide in all directions (m).
     #[inline(always)]
     #[must_use]
-    pub fn with_size(mut self, size: L) -> Self {
-        self.size = size;
+    pub fn with_size(self, size: L) -> Self {
+        self.with_extents(Extents::uniform(size))
+    }
+    /// The same in an element of other widths.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_extents(mut self, extents: Extents<L>) -> Self {
+        self.extents = extents;
         self
     }
 }
@@ -217,13 +238,42 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     fn energy<L: Lane>(&self, _input: &LawInput<L>, _new_history: &[L]) -> Option<LawEnergy<L>> {
         None
     }
+    /// What the step to `input` and `new_history`, which ended at a change of stress (Pa), has left of
+    /// the elastic stiffness. Engines scale with it what they add to the law's stress: stiffness damping
+    /// and hourglass stiffness.
+    ///
+    /// By default what the change of stress works on the strain over what that of the undamaged medium
+    /// would, between 0 and 1, and no plastic strain.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        _new_history: &[L],
+        change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        let medium = self.medium();
+        let first = input.strain.0[0];
+        let (zero, one) = (first.constant(0.0), first.constant(1.0));
+        let (lambda, shear) = (medium.lambda(), medium.shear());
+        let elastic = Stress::elastic(first.constant(lambda), first.constant(shear), &input.strain);
+        let whole = elastic.work(&input.strain);
+        let some = zero.less(whole);
+        let share = change.work(&input.strain) / whole.select(some, one);
+        let share = share.min(one).max(zero).select(some, one);
+        RemainingStiffness {
+            undamaged: share,
+            of_path: share,
+            flowed: [zero; 6],
+        }
+    }
     /// Whether the work that [`energy`](Self::energy) does not tell of is with relaxation
     /// mechanisms, which hold some of it and dissipate the rest.
     fn relaxes(&self) -> bool {
         false
     }
-    /// Accepts or refuses elements of a width ([`LawInput::size`], m), before a run. All are
-    /// accepted by default.
+    /// Accepts or refuses elements of a width along the normal of a crack (m), before a run. All are
+    /// accepted by default. Engines ask for the greatest and the least width of all directions
+    /// ([`Extents::principal`]) of every element; a law that accepts both accepts all between.
     ///
     /// # Errors
     /// Why, with the widths that are permitted.
@@ -393,6 +443,6 @@ fn at_lane<L: Lane, T>(
         strain: Strain(input.strain.0.map(|x| x.extract(lane))),
         initial: Stress(input.initial.0.map(|x| x.extract(lane))),
         history: &old,
-        size: input.size.extract(lane),
+        extents: Extents(input.extents.0.map(|x| x.extract(lane))),
     })
 }

@@ -24,6 +24,7 @@ mod elastic_domain;
 mod element;
 mod engine;
 mod error;
+mod extents;
 mod field;
 mod joint;
 mod lane;
@@ -50,6 +51,7 @@ pub use engine::{
     StepView, TimeIntegrator,
 };
 pub use error::{ModelError, ParameterError, RunError};
+pub use extents::Extents;
 pub use field::{FieldMotion, FieldSampler, IncidentField};
 pub use joint::{
     Bond, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView,
@@ -58,7 +60,7 @@ pub use joint::{
 pub use lane::{Lane, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, LawInput, PointAdapter, PointLaw,
-    point_energy, point_stress_change,
+    RemainingStiffness, point_energy, point_stress_change,
 };
 pub use load::{Constant, NodalLoad, Table, TimeFunction};
 pub use medium::ElasticMedium;

@@ -174,6 +174,23 @@ pub enum Remark {
         /// Its law.
         law: String,
     },
+    /// Damping proportional to stiffness meets a law with history variables: it acts with what is left of
+    /// the stiffness at each point, and its stress is in no output.
+    DampedHistory {
+        /// The part's set.
+        set: String,
+        /// Its law.
+        law: String,
+    },
+    /// Hourglass resistance took much of the internal work of a set; found after the run.
+    Hourglass {
+        /// The stage, none for the run.
+        stage: Option<String>,
+        /// The set.
+        set: String,
+        /// The share of the internal work.
+        share: f64,
+    },
     /// What damping by relaxation mechanisms costs a part.
     FlatDamping {
         /// The part's set.
@@ -310,6 +327,8 @@ impl Remark {
             } => padding != waves,
             Self::Doubt(doubt) => doubt.is_warning(),
             Self::DampedRim { .. }
+            | Self::DampedHistory { .. }
+            | Self::Hourglass { .. }
             | Self::LargeSlip { .. }
             | Self::TetrahedralSection { .. }
             | Self::NonlinearRim { .. }
@@ -529,6 +548,21 @@ impl fmt::Display for Remark {
                 f,
                 "part '{set}' of the law '{law}' touches an absorbing face: the free field is elastic, so what yields there reflects its waves; give the part a rim"
             ),
+            Self::DampedHistory { set, law } => write!(
+                f,
+                "part '{set}' of the law '{law}' has stiffness-proportional damping: where it yields or cracks the damping acts with what is left of the stiffness, and its stress adds to that of the law, up to the strength and beyond while it is elastic; outputs of stress and of sections do not contain it. Flat damping stays within the strength: damping = {{ kind = \"flat\", ... }}"
+            ),
+            Self::Hourglass { stage, set, share } => {
+                let whence = match stage {
+                    Some(stage) => format!("in stage '{stage}' "),
+                    None => String::new(),
+                };
+                write!(
+                    f,
+                    "{whence}hourglass resistance takes {:.1} % of the internal work of set '{set}', more than 2 %: displacements and stresses there are its own in part; elements with the kernel \"hex8-full\" or \"hex8-b-bar\", or smaller ones, have less or none of it",
+                    100.0 * share
+                )
+            }
             Self::FlatDamping { set, cost } => write!(f, "damping of part '{set}': {cost}"),
             Self::Rim {
                 set,

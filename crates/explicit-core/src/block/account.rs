@@ -25,6 +25,9 @@ pub(super) struct Account<S> {
     booked: Vec<bool>,
     /// Whether the law tells what it takes.
     told: bool,
+    /// The share of stiffness damping at each point of a batch at that step and that of its hourglass
+    /// stiffness, for laws that are not linear.
+    left: AlignedNumbers<S>,
     /// What the points of these batches held at that step (J).
     stored: f64,
     /// What the steps took so far (J).
@@ -40,6 +43,7 @@ impl<S: BatchScalar> Default for Account<S> {
             stress: AlignedNumbers::zeros(0),
             booked: Vec::new(),
             told: false,
+            left: AlignedNumbers::zeros(0),
             stored: 0.0,
             spent: BlockEnergy::default(),
         }
@@ -55,15 +59,39 @@ impl<S: BatchScalar> Account<S> {
     pub(super) fn spent(&self) -> BlockEnergy {
         self.spent
     }
-    /// Stresses of the step before, so many numbers, and which of so many batches were in its account.
-    pub(super) fn of_batches(&mut self, numbers: usize, batches: usize) -> (&mut [S], &mut [bool]) {
+    /// What is kept of the step before, for so many elements of so many points in so many batches.
+    pub(super) fn of_batches(
+        &mut self,
+        (elements, points): (usize, usize),
+        batches: usize,
+    ) -> Kept<'_, S> {
+        let numbers = 6 * elements * points;
         if self.stress.as_slice().len() != numbers {
             self.stress = AlignedNumbers::zeros(numbers);
+            self.left = AlignedNumbers::zeros(elements * (points + 1));
             self.booked = vec![false; batches];
             self.number = None;
         }
-        (self.stress.as_mut_slice(), &mut self.booked)
+        Kept {
+            stresses: self.stress.as_mut_slice(),
+            left: self.left.as_mut_slice(),
+            booked: &mut self.booked,
+            velocity: &self.velocity,
+        }
     }
+}
+
+/// What an account keeps of the step before.
+pub(super) struct Kept<'a, S> {
+    /// Stresses, six numbers per point, of the batches that were in its account; those of this step
+    /// afterwards.
+    pub(super) stresses: &'a mut [S],
+    /// Shares of stiffness damping, one per point, and of hourglass stiffness, likewise.
+    pub(super) left: &'a mut [S],
+    /// Which batches were in its account; which are in this one afterwards.
+    pub(super) booked: &'a mut [bool],
+    /// The velocity of the step before (m/s), by place; empty if there was no damping.
+    pub(super) velocity: &'a [Quad<f64>],
 }
 
 /// What the elements in the account of a block did in a step (J).
@@ -79,6 +107,10 @@ pub(super) struct StepSums {
     plastic: f64,
     damage: f64,
     recovered: f64,
+    /// Taken by stiffness damping.
+    damping: f64,
+    /// Held by hourglass resistance that fell.
+    resisted: f64,
     /// Whether the law told what it took.
     told: bool,
 }
@@ -92,6 +124,26 @@ impl StepSums {
         batch: &Batch<S, N>,
     ) {
         each_lane(held, batch, |_, held| self.entered += held);
+    }
+
+    /// Adds what stiffness damping took of a batch.
+    #[inline(always)]
+    pub(super) fn damp<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
+        &mut self,
+        taken: L,
+        batch: &Batch<S, N>,
+    ) {
+        each_lane(taken, batch, |_, taken| self.damping += taken);
+    }
+
+    /// Adds what a batch held by hourglass resistance that fell in the step.
+    #[inline(always)]
+    pub(super) fn release<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
+        &mut self,
+        held: L,
+        batch: &Batch<S, N>,
+    ) {
+        each_lane(held, batch, |_, held| self.resisted += held);
     }
 
     /// Adds the last step of a batch that leaves the account, with what it holds after it.
@@ -137,7 +189,8 @@ where
     ///
     /// With the velocity `v` of that step, `v_0` of the step before and the elastic form
     /// `a(x, y) = x . K y`, damping takes `1/2 (a(v_0, v) + a(v, v)) beta dt`. With `E(x) =
-    /// a(x, x) / 2`, summed element by element, `a(v_0, v) = E(v_0) + E(v) - E(v - v_0)`.
+    /// a(x, x) / 2`, summed element by element, `a(v_0, v) = E(v_0) + E(v) - E(v - v_0)`. Of a law that is
+    /// not linear the elements tell what it takes, with what is left of their stiffness.
     ///
     /// The stresses of other laws do the work `1/2 (sigma_0 + sigma_1) : de V` on the strain
     /// increment. What a law does not account for is booked apart; of laws that tell nothing it
@@ -152,8 +205,14 @@ where
 
         if damping != 0.0 {
             let velocity = by_place(&self.nodes.numbers, context.velocity);
-            let energy = self.elastic_form(&velocity);
-            if follows && account.velocity.len() == velocity.len() {
+            let continues = follows && account.velocity.len() == velocity.len();
+            let mut energy = 0.0;
+            if self.is_linear() {
+                energy = self.elastic_form(&velocity);
+            } else if continues {
+                account.spent.damping += sums.damping;
+            }
+            if continues && self.is_linear() {
                 let change: Vec<Quad<f64>> = velocity
                     .iter()
                     .zip(&account.velocity)
@@ -175,6 +234,7 @@ where
                 spent.plastic += sums.plastic;
                 spent.damage += sums.damage;
                 spent.recovery -= sums.recovered;
+                spent.hourglass += sums.resisted;
                 let gained = sums.stored + sums.left - sums.entered - account.stored;
                 let told = gained + sums.plastic + sums.damage - sums.recovered;
                 let rest = sums.work - told;

@@ -43,7 +43,10 @@ where
                 .map(|strain| Stress::elastic(self.moduli.lambda, self.moduli.shear, &strain)),
         };
         let stresses = changes.map(|change| *initial + change);
-        let modulus = self.moduli.constrained();
+        let modulus = match self.law.now() {
+            Some(law) => self.resistance(law, element, &strains),
+            None => self.moduli.hourglass,
+        };
         let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
         for (out, force) in out.iter_mut().zip(self.kernel.nodal_forces(&forces)) {
             *out = Vec3::from(force);

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use powerhouse_model::{LawEnergy, Strain, Stress};
+use powerhouse_model::{LawEnergy, RemainingStiffness, Strain, Stress};
 
 use super::memory::{as_lanes, as_lanes_mut};
 use super::numbers::AlignedNumbers;
@@ -26,7 +26,12 @@ pub(super) struct Exchange<S> {
     stresses: AlignedNumbers<S>,
     /// Four per point (J/m3).
     energies: AlignedNumbers<S>,
+    /// [`REMAINING`] per point.
+    remaining: AlignedNumbers<S>,
 }
+
+/// Numbers of a [`RemainingStiffness`], in its order.
+pub(super) const REMAINING: usize = 8;
 
 impl<S: BatchScalar> Exchange<S> {
     /// Makes room for batches with so many nodes and points per element; yields for how many.
@@ -37,6 +42,7 @@ impl<S: BatchScalar> Exchange<S> {
         self.strains.grow(6 * points * batches * width);
         self.stresses.grow(6 * points * batches * width);
         self.energies.grow(4 * points * batches * width);
+        self.remaining.grow(REMAINING * points * batches * width);
         batches
     }
     /// Keeps modes and strains of a batch.
@@ -74,13 +80,45 @@ impl<S: BatchScalar> Exchange<S> {
         }
         modes
     }
-    /// Strains of some points, and where stresses and energies of them go.
-    pub(super) fn of_points(&mut self, points: usize, width: usize) -> (&[S], &mut [S], &mut [S]) {
+    /// Strains of some points, and where stresses, energies and what is left of the stiffness go.
+    pub(super) fn of_points(
+        &mut self,
+        points: usize,
+        width: usize,
+    ) -> (&[S], &mut [S], &mut [S], &mut [S]) {
         (
             &self.strains.as_slice()[..6 * points * width],
             &mut self.stresses.as_mut_slice()[..6 * points * width],
             &mut self.energies.as_mut_slice()[..4 * points * width],
+            &mut self.remaining.as_mut_slice()[..REMAINING * points * width],
         )
+    }
+    /// What is left of the stiffness at the points of a batch; of what was not asked for nothing is said.
+    #[inline(always)]
+    pub(super) fn remaining<L: BatchLane<Scalar = S>, const P: usize>(
+        &self,
+        token: L::Token,
+        place: usize,
+    ) -> [RemainingStiffness<L>; P] {
+        let one = L::splat(token, 1.0);
+        let mut remaining = [RemainingStiffness {
+            undamaged: one,
+            of_path: one,
+            flowed: [one; 6],
+        }; P];
+        let range = numbers_of(place, REMAINING * P * L::WIDTH);
+        let answered = as_lanes::<L>(token, &self.remaining.as_slice()[range]);
+        for (remaining, answered) in remaining
+            .iter_mut()
+            .zip(answered.as_chunks::<REMAINING>().0)
+        {
+            remaining.undamaged = answered[0];
+            remaining.of_path = answered[1];
+            for i in 0..6 {
+                remaining.flowed[i] = answered[2 + i];
+            }
+        }
+        remaining
     }
     /// Stresses at the points of a batch, and their energies if they were told.
     #[inline(always)]

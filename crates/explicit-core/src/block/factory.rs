@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, ElementBlock, ElementKernel, ElementKind, Geometry, ModelError,
-    Vec3,
+    ConstitutiveLaw, ElasticMedium, ElementBlock, ElementKernel, ElementKind, Extents, Geometry,
+    ModelError, Vec3,
 };
 
 use super::Block;
@@ -145,6 +145,9 @@ where
         let moduli = Moduli {
             lambda: medium.lambda(),
             shear: medium.shear(),
+            hourglass: (self.kernel)
+                .hourglass_modulus(medium.constrained(), medium.shear())
+                .unwrap_or(0.0),
         };
         let places = self.connect(part, arrangement.width).map_err(refused)?;
         let padded = places.len();
@@ -153,26 +156,22 @@ where
         let length = self.kernel.geometry_len();
         let stored = if alike { arrangement.width } else { padded };
         let mut geometry = AlignedNumbers::<S>::zeros(stored * length);
-        let mut sizes = AlignedNumbers::<S>::zeros(padded);
+        let wide = if law.is_some() { stored } else { 0 };
+        let mut extents = AlignedNumbers::<S>::zeros(6 * wide);
+        let mut widths = [0.0; 6];
         let mut shapes: Vec<([Vec3; N], [f64; N])> = Vec::with_capacity(part.elements.len());
         let mut one = vec![0.0; length];
-        let mut size = 0.0;
         for element in 0..padded {
             if element < part.elements.len() && !(alike && element > 0) {
                 let mesh_element = part.elements[element];
                 let corners = corners_of(part, mesh_element);
                 self.kernel.geometry(&corners, &mut one);
                 let volume = self.volume(part, mesh_element, &one).map_err(refused)?;
-                size = volume.cbrt();
                 if let Some(law) = &law {
-                    law.accept_size(size).map_err(|error| {
-                        refused(EngineError::ElementSize {
-                            element: part.mesh.element_tags()[mesh_element as usize],
-                            set: self.label.to_string(),
-                            size,
-                            reason: error.to_string(),
-                        })
-                    })?;
+                    let of_element = Extents::of_element(self.kernel.kind(), &corners);
+                    self.check_extents(part, mesh_element, law.as_ref(), &of_element)
+                        .map_err(refused)?;
+                    widths = of_element.0;
                 }
                 let shares = self.kernel.node_shares(&corners);
                 let masses = shares.map(|share| share * volume * medium.density);
@@ -186,7 +185,12 @@ where
                         S::from_f64(*number);
                 }
             }
-            sizes.as_mut_slice()[arrangement.place(element, 0, 1)] = S::from_f64(size);
+            if element < wide {
+                for (index, number) in widths.iter().enumerate() {
+                    extents.as_mut_slice()[arrangement.place(element, index, 6)] =
+                        S::from_f64(*number);
+                }
+            }
         }
         let squares = lanes.dispatch::<f64, _>(HighestSquares {
             kernel: &self.kernel,
@@ -212,7 +216,7 @@ where
             nodes: BlockNodes::new(part.nodes.to_vec()),
             places: Places::new(places),
             geometry,
-            sizes,
+            extents,
             masses,
             frequencies,
             active: None,
@@ -277,6 +281,28 @@ where
                 mass: masses[a],
             }),
         }
+    }
+
+    /// Fails if the law refuses the greatest or the least width of an element.
+    fn check_extents<S>(
+        &self,
+        part: &BlockPart,
+        element: u32,
+        law: &dyn BatchLaw<S>,
+        extents: &Extents<f64>,
+    ) -> Result<(), EngineError> {
+        let [greatest, _, least] = extents.principal();
+        for (extent, size) in [("greatest", greatest), ("least", least)] {
+            law.accept_size(size)
+                .map_err(|error| EngineError::ElementSize {
+                    element: part.mesh.element_tags()[element as usize],
+                    set: self.label.to_string(),
+                    extent,
+                    size,
+                    reason: error.to_string(),
+                })?;
+        }
+        Ok(())
     }
 
     /// The element's volume, if every point has one.

@@ -55,7 +55,7 @@ where
                 geometry: Geometry::<L>::new(token, &numbers),
                 lambda: L::splat(token, self.moduli.lambda),
                 shear: L::splat(token, self.moduli.shear),
-                modulus: L::splat(token, self.moduli.constrained()),
+                modulus: L::splat(token, self.moduli.hourglass),
                 scale,
             };
             tridiagonalise(&operator, &mut workspace);

@@ -6,10 +6,11 @@
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, LawEnergy, LawInput,
+    ConstitutiveLaw, ElasticDomain, ElasticMedium, Extents, HistoryVariable, LawEnergy, LawInput,
     ModelError, Scalar, Strain, Stress, point_stress_change,
 };
 
+use super::exchange::REMAINING;
 use super::history::History;
 use super::memory::{as_lanes, as_lanes_mut};
 use super::numbers::Aligned;
@@ -51,14 +52,24 @@ pub(crate) struct Question<'a, 'm, S> {
     pub(super) strains: &'a [S],
     /// Six initial stresses (Pa) of each batch in lanes, or nothing.
     pub(super) initial: Option<&'a [S]>,
-    /// Widths of the elements of each batch (m).
-    pub(super) sizes: &'a [S],
+    /// Six numbers of the extents (m2) of each element of all batches, or of one batch if all elements
+    /// are alike, in lanes.
+    pub(super) extents: &'a [S],
     /// The histories.
     pub(super) memory: &'a mut Memory<'m, S>,
     /// Where the six changes of stress go likewise (Pa).
     pub(super) stresses: &'a mut [S],
     /// Where stored, plastic, damage and recovered energy go likewise (J/m3), if wanted.
     pub(super) energies: Option<&'a mut [S]>,
+    /// Where what is left of the stiffness goes likewise, if wanted.
+    pub(super) remaining: Option<Wanted<'a, S>>,
+}
+
+/// Where numbers of a [`RemainingStiffness`] go.
+pub(super) struct Wanted<'a, S> {
+    pub(super) numbers: &'a mut [S],
+    /// Whether all of them are wanted, or that of the path alone.
+    pub(super) all: bool,
 }
 
 /// What does not depend on the scalar.
@@ -67,6 +78,7 @@ pub(crate) trait LawParts: Send + Sync {
     fn history(&self) -> &[HistoryVariable];
     fn accept_size(&self, size: f64) -> Result<(), ModelError>;
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
+    fn of_path(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64;
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]>;
     fn relaxes(&self) -> bool;
     fn elastic_domain(&self) -> Option<ElasticDomain>;
@@ -97,6 +109,9 @@ impl<M: ConstitutiveLaw> LawParts for M {
     }
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
         point_stress_change(self, input, new_history)
+    }
+    fn of_path(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64 {
+        ConstitutiveLaw::remaining_stiffness(self, input, new_history, change).of_path
     }
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         ConstitutiveLaw::tangent(self, input)
@@ -162,10 +177,11 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             points,
             strains,
             initial,
-            sizes,
+            extents,
             memory,
             stresses,
             energies,
+            remaining,
         } = self.question;
         let (strains, _) = as_lanes::<L>(token, strains).as_chunks::<6>();
         let (stresses, _) = as_lanes_mut::<L>(token, stresses).as_chunks_mut::<6>();
@@ -174,10 +190,18 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             Some(energies) => Some(as_lanes_mut::<L>(token, energies).as_chunks_mut::<4>().0),
             None => None,
         };
+        let (mut remaining, all) = match remaining {
+            Some(Wanted { numbers, all }) => {
+                let (places, _) = as_lanes_mut::<L>(token, numbers).as_chunks_mut::<REMAINING>();
+                (Some(places), all)
+            }
+            None => (None, false),
+        };
         let mut initially = Stress::zero(token);
         let mut told = false;
         let writes = matches!(memory, Memory::Write(_));
         let length = blank.len() * L::WIDTH;
+        let is_alike = extents.len() == 6 * L::WIDTH;
         for (b, strains) in strains.chunks_exact(points).enumerate() {
             let batch = first + b;
             if let Some(initial) = initial {
@@ -185,7 +209,12 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                     initially.0[i] = L::load(token, &initial[(6 * b + i) * L::WIDTH..]);
                 }
             }
-            let size = L::load(token, &sizes[b * L::WIDTH..]);
+            let of_batch = if is_alike { 0 } else { batch };
+            let (of_batch, _) = extents[6 * of_batch * L::WIDTH..].split_at(6 * L::WIDTH);
+            let mut widths = Extents(initially.0);
+            for i in 0..6 {
+                widths.0[i] = L::load(token, &of_batch[i * L::WIDTH..]);
+            }
             if let Memory::Write(history) = &mut *memory {
                 history.retry(batch);
             }
@@ -207,9 +236,20 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                 };
                 let input = LawInput::new(Strain(strains[p]), old)
                     .with_initial(initially)
-                    .with_size(size);
+                    .with_extents(widths);
                 let place = b * points + p;
-                stresses[place] = L::stress_change(self.law, &input, new).0;
+                let change = L::stress_change(self.law, &input, new);
+                stresses[place] = change.0;
+                if let Some(remaining) = remaining.as_deref_mut() {
+                    let left = L::remaining_stiffness(self.law, &input, new, &change);
+                    remaining[place][1] = left.of_path;
+                    if all {
+                        remaining[place][0] = left.undamaged;
+                        for i in 0..6 {
+                            remaining[place][2 + i] = left.flowed[i];
+                        }
+                    }
+                }
                 if let Some(energies) = energies.as_deref_mut()
                     && let Some(energy) = L::energy(self.law, &input, new)
                 {

@@ -1,9 +1,12 @@
 //! Operators in matrix terms: nodal diagonals, and secant and tangent at the present state.
 
-use powerhouse_model::{ElementKernel, Geometry, LawInput, Mat3, Operator, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElementKernel, Extents, Geometry, LawInput, Mat3, Operator, Strain, Stress, Vec3,
+};
 
 use super::Block;
 use super::law::LawParts;
+use super::remaining::LEAST_RESISTANCE;
 use super::transfer::NodeScalar;
 
 /// `d stress / d strain` at a point, rows of stress (Pa).
@@ -80,21 +83,59 @@ where
         }
     }
 
-    /// The stiffness at each point of an element under an operator.
-    fn stiffness(&self, operator: Operator, element: usize, geometry: &[f64]) -> [Stiffness; P] {
+    /// How wide an element is.
+    fn extents_of(&self, element: usize) -> Extents<f64> {
+        let (numbers, width) = (self.extents.as_slice(), self.arrangement.width);
+        let is_one_batch = numbers.len() == 6 * width;
+        let element = if is_one_batch {
+            element % width
+        } else {
+            element
+        };
+        let place = |i| self.arrangement.place(element, i, 6);
+        Extents(core::array::from_fn(|i| numbers[place(i)].to_f64()))
+    }
+
+    /// The stiffness at each point of an element under an operator, and its hourglass modulus (Pa).
+    fn stiffness(
+        &self,
+        operator: Operator,
+        element: usize,
+        geometry: &[f64],
+    ) -> ([Stiffness; P], f64) {
         let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
         let law = match self.law.of_rest() {
             Some(law) if operator != Operator::Elastic => law,
-            _ => return [elastic; P],
+            _ => return ([elastic; P], self.moduli.hourglass),
         };
         let nodal = self.places.as_slice()[element]
             .map(|place| self.locals.displacement(place as usize).into());
         let geometry = Geometry::<f64>::new((), geometry);
         let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
-        self.at_points(element, &strains, |input, new| match operator {
+        let stiffness = self.at_points(element, &strains, |input, new| match operator {
             Operator::Secant => secant(law, input, new),
             _ => tangent(law, input, new),
-        })
+        });
+        (stiffness, self.resistance(law, element, &strains))
+    }
+
+    /// The hourglass modulus (Pa) of an element with these strains under the committed history.
+    pub(super) fn resistance(
+        &self,
+        law: &(impl LawParts + ?Sized),
+        element: usize,
+        strains: &[Strain; P],
+    ) -> f64 {
+        let whole = self.moduli.hourglass;
+        if whole == 0.0 {
+            return whole;
+        }
+        let left = self.at_points(element, strains, |input, new| {
+            let change = law.stress_change(input, new);
+            law.of_path(input, new, &change)
+        });
+        let mean = left.iter().sum::<f64>() / P as f64;
+        whole * mean.max(LEAST_RESISTANCE)
     }
 
     /// What a law is asked at each point of an element with these strains under the committed history; with
@@ -109,7 +150,7 @@ where
         let initial = self.initial.as_slice();
         let initial =
             core::array::from_fn(|i| initial.get(place(i, 6)).map_or(0.0, |value| value.to_f64()));
-        let size = self.sizes.as_slice()[place(0, 1)].to_f64();
+        let extents = self.extents_of(element);
         let variables = self.history.variables();
         let mut new = vec![0.0; variables];
         core::array::from_fn(|p| {
@@ -118,7 +159,7 @@ where
                 .collect();
             let input = LawInput::new(strains[p], &old)
                 .with_initial(Stress(initial))
-                .with_size(size);
+                .with_extents(extents);
             ask(&input, &mut new)
         })
     }
@@ -130,14 +171,13 @@ where
         operator: Operator,
         mut visit: impl FnMut(usize, &dyn Fn(&[[f64; 3]; N]) -> [[f64; 3]; N]),
     ) {
-        let modulus = self.moduli.constrained();
         let mut numbers = vec![0.0; self.kernel.geometry_len()];
         for element in 0..self.elements.len() {
             if self.active.as_ref().is_some_and(|active| !active[element]) {
                 continue;
             }
             self.geometry_of(element, &mut numbers);
-            let stiffness = self.stiffness(operator, element, &numbers);
+            let (stiffness, modulus) = self.stiffness(operator, element, &numbers);
             let geometry = Geometry::<f64>::new((), &numbers);
             visit(element, &|nodal| {
                 let modes = self.kernel.modes(nodal);
@@ -172,7 +212,7 @@ where
 
     /// Adds the nodal forces of stresses that are the same all over each element.
     pub(super) fn add_forces_of_stress(&self, stresses: &[Stress], out: &mut [Vec3]) {
-        let modulus = self.moduli.constrained();
+        let modulus = self.moduli.hourglass;
         let mut numbers = vec![0.0; self.kernel.geometry_len()];
         for (element, &stress) in stresses.iter().enumerate().take(self.elements.len()) {
             if !self.is_active(element) {

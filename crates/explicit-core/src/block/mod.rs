@@ -12,6 +12,7 @@ mod linearised;
 mod memory;
 mod numbers;
 mod operations;
+mod remaining;
 mod stepping;
 mod survey;
 #[cfg(test)]
@@ -66,8 +67,9 @@ struct Block<K, S, const N: usize, const P: usize> {
     /// Places of the nodes of each element, whole batches.
     places: Places<N>,
     geometry: AlignedNumbers<S>,
-    /// Cube roots of the volumes (m).
-    sizes: AlignedNumbers<S>,
+    /// Six numbers of [`Extents`](powerhouse_model::Extents) per element (m2), of one batch if all elements
+    /// are alike; empty for linear laws.
+    extents: AlignedNumbers<S>,
     /// Lumped masses of each element (kg).
     masses: Vec<[f64; N]>,
     /// Bounds of each element (rad/s).
@@ -101,7 +103,7 @@ where
     fn law_state(&self) -> LawState<'_, S> {
         LawState {
             initial: self.initial.as_slice(),
-            size: self.sizes.as_slice(),
+            extents: self.extents.as_slice(),
         }
     }
 
@@ -117,8 +119,8 @@ where
         self.active.as_ref().is_none_or(|active| active[element])
     }
 
-    /// Writes forces, and what the law did in the step of a length (s) if it is to be booked; yields
-    /// whether all is finite.
+    /// Writes forces in a step of a length (s) with a coefficient of stiffness damping (s), and what the
+    /// law did in it if that is to be booked; yields whether all is finite.
     ///
     /// The damping of a linear law is the elastic force of the velocity, so that it is added to
     /// the displacement of the nodes.
@@ -126,8 +128,8 @@ where
         &mut self,
         displacement: &[Quad<A>],
         velocity: &[Quad<A>],
-        damping: f64,
-        mut booked: Option<(f64, &mut StepSums)>,
+        (step, damping): (f64, f64),
+        booked: Option<&mut StepSums>,
         out: &mut [Quad<A>],
     ) -> bool {
         if const { size_of::<A>() < size_of::<S>() } {
@@ -140,8 +142,13 @@ where
             };
             let mut sums = double(out);
             let (displacement, velocity) = (double(displacement), double(velocity));
-            let finite =
-                self.write_forces::<f64>(&displacement, &velocity, damping, booked, &mut sums);
+            let finite = self.write_forces::<f64>(
+                &displacement,
+                &velocity,
+                (step, damping),
+                booked,
+                &mut sums,
+            );
             for (out, sum) in out.iter_mut().zip(sums) {
                 *out = Quad::from_vector(&sum.to_vector());
             }
@@ -175,20 +182,16 @@ where
         let finite = if self.is_linear() {
             self.elastic(&local.displacement, Some(out), None)
         } else {
-            let numbers = self.places.as_slice().len() * P * 6;
             let mut account = core::mem::take(&mut self.account);
             let mut history = core::mem::take(&mut self.history);
             let batches = self.batches().count(self.arrangement.width);
-            let books = booked.as_mut().map(|(step, sums)| {
-                let (stresses, booked) = account.of_batches(numbers, batches);
-                Books {
-                    step: *step,
-                    stresses,
-                    booked,
-                    sums,
-                }
+            let elements = self.places.as_slice().len();
+            let books = booked.map(|sums| Books {
+                kept: account.of_batches((elements, P), batches),
+                sums,
             });
             let rates = moves.then_some(Rates {
+                step,
                 velocity: &local.velocity,
                 damping,
                 books,
@@ -347,8 +350,9 @@ where
         self.history
             .write_over(context.once && self.active.is_none());
         let mut sums = StepSums::default();
-        let booked = context.ledger.then_some((context.step, &mut sums));
-        let finite = self.write_forces(displacement, velocity, damping, booked, out);
+        let booked = context.ledger.then_some(&mut sums);
+        let terms = (context.step, damping);
+        let finite = self.write_forces(displacement, velocity, terms, booked, out);
         if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out)) {
             return Err(fault);
         }

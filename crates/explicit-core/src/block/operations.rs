@@ -1,12 +1,15 @@
 //! What a block does to all of its batches at a step.
 
-use powerhouse_model::{ElasticDomain, ElementKernel, Geometry, LawEnergy, Quad, Strain, Stress};
+use powerhouse_model::{
+    ElasticDomain, ElementKernel, Geometry, LawEnergy, Quad, RemainingStiffness, Strain, Stress,
+};
 
-use super::account::StepSums;
+use super::account::{Kept, StepSums};
 use super::batches::Batches;
 use super::exchange::Exchange;
-use super::law::{BatchLaw, Memory, Question};
+use super::law::{BatchLaw, Memory, Question, Wanted};
 use super::numbers::Aligned;
+use super::remaining::{LEAST_RESISTANCE, damped_share, less, product, times};
 use super::survey::{
     Summary, complementary_energy, each_lane, earlier, linear_energy, step_work, write_all,
     write_mean,
@@ -19,13 +22,8 @@ use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 pub(super) struct Moduli {
     pub(super) lambda: f64,
     pub(super) shear: f64,
-}
-
-impl Moduli {
-    /// `lambda + 2 G`, which hourglass resistance is measured in.
-    pub(super) fn constrained(self) -> f64 {
-        self.lambda + 2.0 * self.shear
-    }
+    /// What hourglass resistance is proportional to, zero if there is none.
+    pub(super) hourglass: f64,
 }
 
 /// Zero as long as every stress seen is a number, NaN afterwards.
@@ -69,7 +67,7 @@ where
     fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let lambda = L::splat(token, self.moduli.lambda);
         let shear = L::splat(token, self.moduli.shear);
-        let modulus = L::splat(token, self.moduli.constrained());
+        let modulus = L::splat(token, self.moduli.hourglass);
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut watch = Watch(L::splat(token, 0.0));
@@ -111,12 +109,14 @@ where
 pub(super) struct LawState<'a, S> {
     /// Six numbers per element, or empty.
     pub(super) initial: &'a [S],
-    /// One number per element.
-    pub(super) size: &'a [S],
+    /// Six numbers per element, or those of one batch if all elements are alike.
+    pub(super) extents: &'a [S],
 }
 
 /// Velocities, for damping and for the work of a step.
 pub(super) struct Rates<'a, A: BatchScalar, S> {
+    /// Length of the step (s).
+    pub(super) step: f64,
     /// By place (m/s).
     pub(super) velocity: &'a [Quad<A>],
     /// Stiffness damping coefficient (s).
@@ -130,13 +130,8 @@ pub(super) struct Rates<'a, A: BatchScalar, S> {
 /// Batches that are surely elastic, and were so a step before, are not in it: of them the work of a step
 /// is what they hold more after it.
 pub(super) struct Books<'a, S> {
-    /// Length of the step (s).
-    pub(super) step: f64,
-    /// Stresses of the step before, six numbers per point, of the batches that were in its account;
-    /// those of this step afterwards.
-    pub(super) stresses: &'a mut [S],
-    /// Which batches were in the account of the step before; which are in this one afterwards.
-    pub(super) booked: &'a mut [bool],
+    /// What is kept of the step before.
+    pub(super) kept: Kept<'a, S>,
     /// What the elements in the account did in the step.
     pub(super) sums: &'a mut StepSums,
 }
@@ -184,6 +179,8 @@ where
         let mut watch = Watch(L::splat(token, 0.0));
         let wants_energy = self.survey.is_some()
             || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
+        let damped = (self.rates.as_ref()).is_some_and(|rates| rates.damping != 0.0);
+        let wants_remaining = damped || self.moduli.hourglass != 0.0;
         let at_once = self.exchange.prepare(N, P, L::WIDTH);
         let count = self.batches.count(L::WIDTH);
         // How many of the last batches the law is still to be asked for.
@@ -199,7 +196,8 @@ where
             }
             if kept == at_once || (kept > 0 && (elastic.is_some() || end == count)) {
                 let first = end - kept;
-                let told = self.ask::<L>(first, kept, wants_energy);
+                let wanted = (wants_energy, wants_remaining.then_some(damped));
+                let told = self.ask::<L>(first, kept, wanted);
                 for place in 0..kept {
                     let modes = self.exchange.modes::<L, N>(token, place);
                     let (stresses, energies) = self.exchange.answer::<L, P>(token, place, told);
@@ -208,14 +206,19 @@ where
                     } else {
                         Answered::Plain
                     };
-                    let index = first + place;
-                    self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
+                    let remaining = if wants_remaining {
+                        Some(self.exchange.remaining::<L, P>(token, place))
+                    } else {
+                        None
+                    };
+                    let answer = (stresses, answered, remaining);
+                    self.finish::<L>(first + place, modes, answer, &mut rows.0, &mut watch);
                 }
                 kept = 0;
             }
             if let Some(stresses) = elastic {
-                let answered = Answered::Elastic;
-                self.finish::<L>(index, modes, stresses, answered, &mut rows.0, &mut watch);
+                let answer = (stresses, Answered::Elastic, None);
+                self.finish::<L>(index, modes, answer, &mut rows.0, &mut watch);
             }
         }
         watch.all_finite()
@@ -287,7 +290,7 @@ where
     #[inline(always)]
     fn was_booked(&self, batch: usize) -> bool {
         let books = self.rates.as_ref().and_then(|rates| rates.books.as_ref());
-        books.is_some_and(|books| books.booked[batch])
+        books.is_some_and(|books| books.kept.booked[batch])
     }
 
     /// Forces and books of a batch with its changes of stress.
@@ -296,13 +299,24 @@ where
         &mut self,
         index: usize,
         mut modes: [[L; 3]; N],
-        mut stresses: [Stress<L>; P],
-        answered: Answered<L, P>,
+        (mut stresses, answered, remaining): Answer<L, P>,
         rows: &mut [[[S; 4]; MOST_LANES]; N],
         watch: &mut Watch<L>,
     ) {
         let token = stresses[0].0[0].token();
-        let modulus = L::splat(token, self.moduli.constrained());
+        let one = L::splat(token, 1.0);
+        // What is left of the hourglass stiffness.
+        let mut path = one;
+        if let (Some(remaining), true) = (&remaining, self.moduli.hourglass != 0.0) {
+            path = remaining[0].of_path;
+            for point in &remaining[1..] {
+                path = path + point.of_path;
+            }
+            path = path * path.constant(1.0 / P as f64);
+            path = path.max(path.constant(LEAST_RESISTANCE));
+        }
+        let whole = L::splat(token, self.moduli.hourglass);
+        let modulus = whole * path;
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
         let geometry = Geometry::<L>::new(token, batch.geometry);
         if let (Memory::Write(history), true) = (&mut self.history, batch.active.is_some()) {
@@ -342,22 +356,30 @@ where
             let velocity = velocity.elements(batch.first, L::WIDTH);
             let mut nodal = [[L::splat(token, 0.0); 3]; N];
             gather::<A, L, N>(token, velocity, &mut nodal);
+            let zero = L::splat(token, 0.0);
             let modal_rates = self.kernel.modes(&nodal);
             let strain_rates = self.kernel.strains(geometry, &modal_rates);
+            // What was left of the hourglass stiffness a step before.
+            let place = (index * (P + 1) + P) * L::WIDTH;
+            let mut path_before = one;
+            if let Some(books) = &rates.books {
+                path_before = L::load(token, &books.kept.left[place..]);
+            }
             if let (Some(books), Some(energy)) = (&mut rates.books, energy) {
                 let numbers = 6 * P * L::WIDTH;
-                let before = &mut books.stresses[index * numbers..(index + 1) * numbers];
-                if !core::mem::replace(&mut books.booked[index], asked) {
+                let before = &mut books.kept.stresses[index * numbers..(index + 1) * numbers];
+                let enters = !core::mem::replace(&mut books.kept.booked[index], asked);
+                if enters {
                     // The step began under Hooke's law.
                     let strains = self.kernel.strains(geometry, &modes);
-                    let began = earlier(self.moduli, books.step, &strains, &strain_rates);
+                    let began = earlier(self.moduli, rates.step, &strains, &strain_rates);
                     write_all(&began, before);
                     let held = complementary_energy(self.moduli, &volumes, &began);
                     books.sums.enter(held, &batch);
                 }
                 let work = step_work(
                     &geometry,
-                    books.step,
+                    rates.step,
                     &volumes,
                     &stresses,
                     &strain_rates,
@@ -368,11 +390,72 @@ where
                 } else {
                     books.sums.leave(work, energy.sum.stored, &batch);
                 }
+                // Hourglass energy is given up as its stiffness falls: half of the fall times the product
+                // of the strains before and after the step.
+                let before = if enters { one } else { path_before };
+                path.store(&mut books.kept.left[place..]);
+                let fallen = before - path;
+                if fallen.any(zero.less(fallen.abs())) {
+                    let moved = times(&modal_rates, L::splat(token, rates.step));
+                    let began = less(&modes, &moved);
+                    let product = product(self.kernel, geometry, whole, [&modes, &began, &moved]);
+                    books
+                        .sums
+                        .release(fallen * product * fallen.constant(0.5), &batch);
+                }
             }
             let lambda = L::splat(token, rates.damping * self.moduli.lambda);
             let shear = L::splat(token, rates.damping * self.moduli.shear);
+            let mut shares = [one; P];
+            if let (Some(remaining), true) = (&remaining, rates.damping != 0.0) {
+                for p in 0..P {
+                    let resisted = Stress::elastic(lambda, shear, &strain_rates[p]);
+                    shares[p] =
+                        damped_share(&remaining[p], &resisted, &strain_rates[p], rates.step);
+                }
+            }
+            let mut damping_stresses = [Stress([zero; 6]); P];
             for p in 0..P {
-                stresses[p] = stresses[p] + Stress::elastic(lambda, shear, &strain_rates[p]);
+                let whole = Stress::elastic(lambda, shear, &strain_rates[p]);
+                for i in 0..6 {
+                    damping_stresses[p].0[i] = whole.0[i] * shares[p];
+                }
+                stresses[p] = stresses[p] + damping_stresses[p];
+            }
+            if let (Some(books), true) = (&mut rates.books, rates.damping != 0.0) {
+                let left = &mut books.kept.left[index * (P + 1) * L::WIDTH..];
+                if !books.kept.velocity.is_empty() {
+                    let velocity = self.batches.places.over(books.kept.velocity);
+                    let velocity = velocity.elements(batch.first, L::WIDTH);
+                    gather::<f64, L, N>(token, velocity, &mut nodal);
+                    let modal_before = self.kernel.modes(&nodal);
+                    let rates_before = self.kernel.strains(geometry, &modal_before);
+                    let mut power = zero;
+                    for p in 0..P {
+                        let before = Stress::elastic(lambda, shear, &rates_before[p]);
+                        let before = before.work(&strain_rates[p]);
+                        let before = before * L::load(token, &left[p * L::WIDTH..]);
+                        let both = before + damping_stresses[p].work(&strain_rates[p]);
+                        power = both.mul_add(volumes[p], power);
+                    }
+                    if self.moduli.hourglass != 0.0 {
+                        let change = less(&modal_rates, &modal_before);
+                        let still = times(&modal_rates, zero);
+                        let mixed = [&modal_rates, &modal_before, &change];
+                        let mixed = product(self.kernel, geometry, whole, mixed);
+                        let own = [&modal_rates, &modal_rates, &still];
+                        let own = product(self.kernel, geometry, whole, own);
+                        let both = path_before.mul_add(mixed, path * own);
+                        power = both.mul_add(L::splat(token, rates.damping), power);
+                    }
+                    books
+                        .sums
+                        .damp(power * power.constant(0.5 * rates.step), &batch);
+                }
+                for p in 0..P {
+                    shares[p].store(&mut left[p * L::WIDTH..]);
+                }
+                path.store(&mut left[P * L::WIDTH..]);
             }
             let damping = L::splat(token, rates.damping);
             for a in 0..N {
@@ -391,17 +474,22 @@ where
         }
     }
 
-    /// Asks the law for successive batches, whose strains are kept; writes the new histories. Yields
-    /// whether energies were wanted and told.
+    /// Asks the law for successive batches, whose strains are kept, for energies and for what is left of
+    /// the stiffness, all of it or that of the path alone; writes the new histories. Yields whether energies
+    /// were wanted and told.
     #[inline(always)]
     fn ask<L: BatchLane<Scalar = S>>(
         &mut self,
         first: usize,
         count: usize,
-        wants_energy: bool,
+        (wants_energy, wants_remaining): (bool, Option<bool>),
     ) -> bool {
         let initial = self.state.initial;
-        let (strains, stresses, energies) = self.exchange.of_points(P * count, L::WIDTH);
+        let (strains, stresses, energies, numbers) = self.exchange.of_points(P * count, L::WIDTH);
+        let remaining = match wants_remaining {
+            Some(all) => Some(Wanted { numbers, all }),
+            None => None,
+        };
         self.law.answer(
             self.lanes,
             Question {
@@ -409,14 +497,22 @@ where
                 points: P,
                 strains,
                 initial: (!initial.is_empty()).then(|| &initial[6 * first * L::WIDTH..]),
-                sizes: &self.state.size[first * L::WIDTH..],
+                extents: self.state.extents,
                 memory: &mut self.history,
                 stresses,
                 energies: if wants_energy { Some(energies) } else { None },
+                remaining,
             },
         )
     }
 }
+
+/// Changes of stress of a batch, how they were found, and what is left of the stiffness if that is wanted.
+type Answer<L, const P: usize> = (
+    [Stress<L>; P],
+    Answered<L, P>,
+    Option<[RemainingStiffness<L>; P]>,
+);
 
 /// Energies of a batch in a step (J).
 pub(super) struct Energy<L> {

@@ -87,6 +87,9 @@ impl ElementKernel<8, 1> for Parallelepiped {
             scaled(modes[7], resistance),
         ]
     }
+    fn hourglass_modulus(&self, constrained: f64, shear: f64) -> Option<f64> {
+        self.0.hourglass_modulus(constrained, shear)
+    }
     #[inline(always)]
     fn hourglass_energy<L: Lane>(
         &self,

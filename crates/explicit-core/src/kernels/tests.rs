@@ -359,7 +359,7 @@ fn straight_bricks_are_bricks() {
 fn hourglass_stiffness_is_as_stated() {
     let half = 0.75;
     let corners = hexahedron::CORNERS.map(|x| Vec3::from(x) * half);
-    let element = Element::new::<1>(Hex8OnePoint { hourglass: 0.1 }, corners);
+    let element = Element::new::<1>(Hex8OnePoint::new(0.1).unwrap(), corners);
     let amplitude = 0.01;
     let bending = element.nodal(|x| Vec3::x() * (amplitude * x.x * x.y / (half * half)));
     let exact = 3.0 * 0.1 * element.medium.constrained() * 2.0 * half * amplitude * amplitude;

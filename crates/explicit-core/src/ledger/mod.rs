@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::groups::Groups;
 use crate::nodes::{Storage, with_nodes};
-use crate::{Model, Precision};
+use crate::{HourglassShare, Model, Precision};
 use sum::Sum;
 use work::{NodalWork, Present};
 
@@ -41,11 +41,16 @@ struct SetBalance {
     work: Sum,
     /// Energy of its elements when the ledger was opened (J).
     origin: f64,
+    /// What hourglass resistance took at most, as far as the ledger was read.
+    hourglass: HourglassShare,
 }
 
 /// The account of a run from its first step on.
 ///
-/// Kinetic energy is `1/2 v- . M v+` at the time of the displacement. A nodal force `F` of time
+/// At the time of the displacement the scheme conserves `1/2 v- . M v+` with the velocities half a step
+/// before and after. Kinetic energy is shown with their mean, never negative; what the scheme's own form
+/// has less, `1/8 (v+ - v-) . M (v+ - v-)`, stands in the column "time step", not positive: it falls with
+/// the square of the step. A nodal force `F` of time
 /// `t` works half with the velocity before, half with that after `t`; the energy of elements is
 /// what their own stresses and strains give. All columns then add up to a constant, to rounding.
 /// Those halves of a force that does not change add up to its product with the displacement since the
@@ -78,6 +83,8 @@ pub(crate) struct Reading {
     pub(crate) residual: f64,
     /// The set with the largest share of it.
     pub(crate) worst_set: String,
+    /// What hourglass resistance took of each set until then.
+    pub(crate) hourglass: Vec<HourglassShare>,
 }
 
 impl Model {
@@ -99,6 +106,10 @@ impl Model {
             if set == next {
                 ledger.sets.push(SetBalance {
                     label: block.label().into(),
+                    hourglass: HourglassShare {
+                        set: block.label().into(),
+                        ..HourglassShare::default()
+                    },
                     ..SetBalance::default()
                 });
             }
@@ -275,12 +286,14 @@ impl Ledger {
             present.kinetic(),
             self.nodal.loads.total() + present.load_potential() - self.potential,
         );
+        let apart = present.apart();
         let (nodal, constraints) = (&self.nodal, &self.constraints);
         let initial = self.origin.unwrap_or(0.0);
         let pending = -constraints.halves[0] + 0.5 * constraints.driven;
         let prescribed = nodal.prescribed.total() + 0.5 * constraints.driven;
         let held = [
-            ("kinetic", kinetic),
+            ("kinetic", kinetic + apart),
+            ("time step", -apart),
             ("elastic", sum.elastic),
             ("hourglass", sum.hourglass),
             ("plastic", sum.plastic),
@@ -298,8 +311,15 @@ impl Ledger {
             ("constraints", constraints.external.total() + pending),
         ];
         let input = loads + prescribed;
-        let balance: f64 = held.iter().map(|(_, energy)| energy).sum();
+        // Those of the scheme's own form add up as one.
+        let rest: f64 = held[2..].iter().map(|(_, energy)| energy).sum();
+        let balance = kinetic + rest;
         let residual = balance - input - initial;
+        for (set, energy) in self.sets.iter_mut().zip(energies) {
+            set.hourglass.see(energy.hourglass, energy.total());
+        }
+        let shares = self.sets.iter().map(|set| set.hourglass.clone());
+        let hourglass = HourglassShare::above_rounding(shares);
         let inside = kinetic.abs() + sum.total().abs();
         self.scale = self.scale.max(inside).max(input.abs());
         let mut columns = held.to_vec();
@@ -317,6 +337,7 @@ impl Ledger {
                 residual
             },
             worst_set: self.worst_set(energies),
+            hourglass,
         }
     }
 

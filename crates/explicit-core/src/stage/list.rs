@@ -3,7 +3,9 @@
 use powerhouse_model::{Mesh, ModelError, Renewal, State};
 use thiserror::Error;
 
-use crate::{Model, ModelBuilder, StaticError, StaticOptions, StaticProgress, StaticReport};
+use crate::{
+    HourglassShare, Model, ModelBuilder, StaticError, StaticOptions, StaticProgress, StaticReport,
+};
 
 /// Makes the model of a stage of a builder that knows the mesh and the state.
 pub type StageModel<'a> = dyn Fn(ModelBuilder<'_>) -> Result<ModelBuilder<'_>, ModelError> + 'a;
@@ -133,6 +135,8 @@ pub struct StageReport {
     pub solution: StaticReport,
     /// The largest displacement of a node in this stage (m), and the node's number.
     pub largest_displacement: (f64, u64),
+    /// What hourglass resistance holds of the internal work of each set at its end.
+    pub hourglass: Vec<HourglassShare>,
 }
 
 /// What is shown of stages on their way.
@@ -269,6 +273,7 @@ pub fn run_stages(
             cast: stage.cast.len(),
             solution,
             largest_displacement: (size, mesh.node_tags().get(node).copied().unwrap_or(0)),
+            hourglass: model.hourglass_shares(),
         };
         watch(StageEvent::AtRest {
             model: &model,

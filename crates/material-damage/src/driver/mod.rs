@@ -3,7 +3,7 @@
 mod loading;
 
 use nalgebra::{DMatrix, DVector};
-use powerhouse_model::{ConstitutiveLaw, LawInput, ParameterError, Strain, Stress};
+use powerhouse_model::{ConstitutiveLaw, Extents, LawInput, ParameterError, Strain, Stress};
 
 use crate::MaterialError;
 
@@ -75,7 +75,7 @@ pub struct PointRecord {
 pub struct PointDriver<M> {
     law: M,
     initial: Stress,
-    size: f64,
+    extents: Extents<f64>,
     steps: usize,
     now: PointRecord,
 }
@@ -92,7 +92,7 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         Self {
             law,
             initial: Stress::default(),
-            size: 1.0,
+            extents: Extents::uniform(1.0),
             steps: 0,
             now,
         }
@@ -109,13 +109,24 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         Ok(self)
     }
 
-    /// The same in an element of another width (m).
+    /// The same in an element of another width (m), the same in all directions.
     ///
     /// # Errors
     /// A width that is not positive.
-    pub fn with_size(mut self, size: f64) -> Result<Self, MaterialError> {
+    pub fn with_size(self, size: f64) -> Result<Self, MaterialError> {
         ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
-        self.size = size;
+        self.with_extents(Extents::uniform(size))
+    }
+
+    /// The same in an element that is wider in some directions than in others.
+    ///
+    /// # Errors
+    /// A width that is not positive.
+    pub fn with_extents(mut self, extents: Extents<f64>) -> Result<Self, MaterialError> {
+        for width in extents.principal() {
+            ParameterError::check("extents", width, f64::MIN_POSITIVE, f64::MAX)?;
+        }
+        self.extents = extents;
         Ok(self)
     }
 
@@ -167,7 +178,7 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         let mut history = self.now.history.clone();
         let input = LawInput::new(*strain, &self.now.history)
             .with_initial(self.initial)
-            .with_size(self.size);
+            .with_extents(self.extents);
         let stress = self.initial + self.law.stress_change(&input, &mut history);
         finite(&stress.0, "stress", self.steps)?;
         finite(&history, "history", self.steps)?;
@@ -176,18 +187,37 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
 
     /// One step to what is prescribed.
     fn step(&mut self, target: [Control; 6]) -> Result<(), MaterialError> {
-        let mut strain = self.now.strain;
+        let mut driven = self.now.strain;
         let mut free = Vec::new();
         for (i, control) in target.into_iter().enumerate() {
             match control {
-                Control::Strain(value) => strain.0[i] = value,
+                Control::Strain(value) => driven.0[i] = value,
                 Control::Stress(value) => {
                     finite(&[value], "target", self.steps)?;
                     free.push((i, value));
                 }
             }
         }
-        let (stress, history) = self.equilibrate(&mut strain, &free)?;
+        // Where the elastic first guess ends in a corner of the surface that no correction leaves, such as
+        // the apex, flow of constant volume or none across may not.
+        let mut found = None;
+        for guess in [Guess::Elastic, Guess::ConstantVolume, Guess::Held] {
+            let mut strain = driven;
+            match self.equilibrate(&mut strain, &free, guess) {
+                Ok((stress, history)) => {
+                    found = Some(Ok((strain, stress, history)));
+                    break;
+                }
+                Err(error @ MaterialError::Unreachable { .. }) => {
+                    found.get_or_insert(Err(error));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        let (strain, stress, history) = match found {
+            Some(found) => found?,
+            None => return Ok(()),
+        };
         let moved = strain - self.now.strain;
         let mean = (stress + self.now.stress) * 0.5;
         self.now = PointRecord {
@@ -231,6 +261,7 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         &self,
         strain: &mut Strain,
         free: &[(usize, f64)],
+        guess: Guess,
     ) -> Result<(Stress, Vec<f64>), MaterialError> {
         let medium = self.law.medium();
         let modulus = medium.young;
@@ -240,7 +271,6 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         if free.is_empty() {
             return self.respond(strain);
         }
-        // The first guess is elastic.
         let elastic = |strain: &Strain| Stress::elastic(medium.lambda(), medium.shear(), strain);
         let moved = self.now.stress + elastic(&(*strain - self.now.strain));
         let stiffness = DMatrix::from_fn(free.len(), free.len(), |row, column| {
@@ -248,7 +278,17 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
             unit.0[free[column].0] = 1.0;
             elastic(&unit).0[free[row].0]
         });
-        correct(strain, free, 1.0, &solve(stiffness, &rest(&moved), modulus));
+        match guess {
+            Guess::Elastic => correct(strain, free, 1.0, &solve(stiffness, &rest(&moved), modulus)),
+            Guess::ConstantVolume => {
+                let normals = free.iter().filter(|(place, _)| *place < 3).count();
+                let driven: f64 = (0..3).map(|i| strain.0[i] - self.now.strain.0[i]).sum();
+                for &(place, _) in free.iter().filter(|(place, _)| *place < 3) {
+                    strain.0[place] -= driven / normals as f64;
+                }
+            }
+            Guess::Held => {}
+        }
 
         let mut answer = self.respond(strain)?;
         let mut residual = rest(&answer.0);
@@ -309,6 +349,17 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
             tolerance,
         })
     }
+}
+
+/// From where the free strains of a step are looked for.
+#[derive(Clone, Copy)]
+enum Guess {
+    /// As if the step were elastic.
+    Elastic,
+    /// As if the volume stayed.
+    ConstantVolume,
+    /// Where they are.
+    Held,
 }
 
 /// Takes a share of a correction off the free strains.

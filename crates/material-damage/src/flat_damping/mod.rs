@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Strain, Stress,
+    ModelError, ParameterError, RemainingStiffness, Strain, Stress,
 };
 
 use crate::history::strain;
@@ -270,6 +270,20 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
         let asked = input.with_history(law_before).with_strain(strain);
         self.asked.energy(&asked, &new_history[..own])
     }
+    /// As the law tells.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new_history: &[L],
+        change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        let own = new_history.len() - 6 * self.terms.count;
+        let (law_before, before) = input.history.split_at(own);
+        let strain = self.terms.asked(&input.strain, before);
+        let asked = input.with_history(law_before).with_strain(strain);
+        (self.asked).remaining_stiffness(&asked, &new_history[..own], change)
+    }
     /// That of the law for the strain less its viscous part, which a step does not change.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let own = input.history.len() - 6 * self.terms.count;
@@ -287,8 +301,17 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
             None => self.reference.elastic_domain(),
         }
     }
+    /// As the law does with the moduli of a static stage and with those of a sudden strain: all others
+    /// lie between.
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
-        self.reference.accept_size(size)
+        let Some(spectrum) = self.spectrum() else {
+            return self.reference.accept_size(size);
+        };
+        for factor in [1.0, spectrum.unrelaxed()] {
+            let law = self.reference.with_stiffness(self.relaxed * factor);
+            law.accept_size(size)?;
+        }
+        Ok(())
     }
     fn for_step(&self, step: f64) -> Self {
         let mut law = self.clone();

@@ -1,10 +1,12 @@
 //! The response with its derivatives.
 
-use powerhouse_model::{Lane, LawInput, each};
+use powerhouse_model::{Lane, LawInput, Stress, each};
 
 use super::flow::Trial;
 use super::{COMPRESSION, DAMAGE_COMPRESSION, DAMAGE_TENSION, LeeFenves, TENSION};
+use crate::PrincipalAxes;
 use crate::dual::Dual;
+use crate::energy::difference;
 use crate::plastic_damage::{share_of_tension, stiffness_left};
 use crate::tangent::implicit;
 
@@ -18,10 +20,10 @@ impl LeeFenves {
         let p = &self.parameters;
         let old = input.history;
         let before = [old[TENSION], old[COMPRESSION]];
-        let rates = [
-            self.tension.rate(input.size),
-            self.compression.rate(input.size),
-        ];
+        let elastic = difference(&input.strain.0, old);
+        let stress = input.initial + Stress::elastic(self.lambda, self.shear, &elastic);
+        let axes = PrincipalAxes::of(&stress);
+        let rates = self.rates(self.widths(input, &axes.directions));
         let known = Trial::of_principal(&principal.map(|s| s.value), before, rates);
         let trial = Trial::of_principal(principal, before.map(Dual::fixed), rates.map(Dual::fixed));
         let shares = [p.stiffness_recovery, p.residual_stiffness];

@@ -5,16 +5,18 @@ mod linearised;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Stress, array,
+    ModelError, ParameterError, RemainingStiffness, Stress, array,
 };
 
+use crate::crack_band;
 use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history;
 use crate::plastic_damage::{
-    COMPRESSION, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE,
-    share_of_tension, weaken,
+    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY,
+    TENSION, YIELD_STATE, share_of_tension, weaken,
 };
+use crate::remaining::{self, strain_at_yield};
 use crate::softening::check_size;
 use crate::surface::{YieldState, stiffened};
 use crate::uniaxial::UniaxialCurve;
@@ -81,7 +83,8 @@ pub struct LeeFenvesParameters {
 /// # History
 /// As [`PlasticDamage`](crate::PlasticDamage): plastic strain (six components, engineering shears),
 /// `e_t`, `e_c`, `d_t`, `d_c`, `D`, damage type, [`YieldState`] (shear: on the cone of the flow,
-/// tension: at its apex).
+/// tension: at its apex), and the widths of the element along the greatest and the least principal
+/// stress when `e_t` and `e_c` first grew, which the bands of cracks and of crushing keep.
 ///
 /// # Return
 /// The deviator keeps its direction, so the returned stress, the increments of plastic strain, `r`
@@ -116,6 +119,7 @@ pub struct LeeFenves {
     swelling: f64,
     lambda: f64,
     shear: f64,
+    strain_at_yield: f64,
 }
 
 impl LeeFenves {
@@ -181,6 +185,7 @@ impl LeeFenves {
             swelling: 3.0 * medium.bulk() / medium.shear() * flow,
             lambda: medium.lambda(),
             shear: medium.shear(),
+            strain_at_yield: strain_at_yield(p.compression_strength, &medium),
             parameters,
         })
     }
@@ -213,6 +218,23 @@ impl LeeFenves {
         let rates = [self.tension.rate(size), self.compression.rate(size)];
         let strengths = self.strengths(strains, rates).inverse;
         self.excess([mean, shear], greatest, strengths) / (1.0 - self.biaxial)
+    }
+
+    /// `b_t` and `b_c` in bands of widths (m).
+    #[inline(always)]
+    fn rates<L: Lane>(&self, [crack, crushing]: [L; 2]) -> [L; 2] {
+        [self.tension.rate(crack), self.compression.rate(crushing)]
+    }
+
+    /// The widths of the bands of cracks and of crushing (m), from the axes of the trial stress.
+    #[inline(always)]
+    fn widths<L: Lane>(&self, input: &LawInput<L>, directions: &[[L; 3]; 3]) -> [L; 2] {
+        let [first, _, last] = directions;
+        let old = input.history;
+        [
+            crack_band::width(old[CRACK_WIDTH], &input.extents, first),
+            crack_band::width(old[CRUSHING_WIDTH], &input.extents, last),
+        ]
     }
 
     /// The inverses of the effective strengths `t` and `c` (1/Pa) and their slopes over `e_t` and
@@ -276,6 +298,7 @@ impl ElasticInSeries for LeeFenves {
         law.compression = self.compression.with_stiffness(factor);
         law.lambda *= factor;
         law.shear *= factor;
+        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]
@@ -314,10 +337,9 @@ impl ConstitutiveLaw for LeeFenves {
             *normal = *normal + finite;
         }
         let strains = [old[TENSION], old[COMPRESSION]];
-        let rates = [
-            self.tension.rate(input.size),
-            self.compression.rate(input.size),
-        ];
+        // A band that has not begun has no width yet, and no softening that would need one.
+        let known = |place: usize| old[place].select(zero.less(old[place]), one);
+        let rates = self.rates([known(CRACK_WIDTH), known(CRUSHING_WIDTH)]);
         // Lanes without flow keep their limits to the last bit while others soften.
         let mut strengths = [
             number(1.0 / self.tension.limit()),
@@ -338,7 +360,10 @@ impl ConstitutiveLaw for LeeFenves {
         let heals = p.stiffness_recovery > 0.0 && first.any(zero.less(old[DAMAGE_TENSION]));
         let mut tension = one;
         if first.any(may_yield) {
-            let values = PrincipalAxes::of(&stress).values;
+            let axes = PrincipalAxes::of(&stress);
+            let values = axes.values;
+            let widths = self.widths(input, &axes.directions);
+            let rates = self.rates(widths);
             let excess = self.excess([mean, shear], values[0], strengths);
             let excess = excess.select(may_yield, zero);
             let yielded = zero.less(excess);
@@ -356,12 +381,18 @@ impl ConstitutiveLaw for LeeFenves {
             let at_apex = flow.less(shear);
             let state = number(YieldState::Shear.number());
             let state = state.select(at_apex, number(YieldState::Tension.number()));
+            let kept = |place: usize, strain: usize, i: usize| {
+                let grown = flowed.strains[i] - old[strain];
+                crack_band::kept(old[place], widths[i], grown)
+            };
             for (variable, value) in [
                 (TENSION, flowed.strains[0]),
                 (COMPRESSION, flowed.strains[1]),
                 (DAMAGE_TENSION, torn.max(old[DAMAGE_TENSION])),
                 (DAMAGE_COMPRESSION, broken.max(old[DAMAGE_COMPRESSION])),
                 (YIELD_STATE, state),
+                (CRACK_WIDTH, kept(CRACK_WIDTH, TENSION, 0)),
+                (CRUSHING_WIDTH, kept(CRUSHING_WIDTH, COMPRESSION, 1)),
             ] {
                 now[variable] = value.select(yielded, now[variable]);
             }
@@ -424,7 +455,16 @@ impl ConstitutiveLaw for LeeFenves {
         let medium = &self.parameters.medium;
         Some(energy::of_flow(medium, input, new_history, Some(DAMAGE)))
     }
-    /// The consistent one; at a kink that of one side.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new_history: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        remaining::of_flow(input, new_history, Some(DAMAGE), self.strain_at_yield)
+    }
+    /// The consistent one, with the widths of bands as they are; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let elastic = difference(&input.strain.0, input.history);
         let respond = |trial: &[Dual; 3]| self.principal_response(input, trial);

@@ -401,7 +401,7 @@ fn without_damping_the_law_is_as_it_is() {
     let mut random = Random(17);
     for other in [bare.clone(), bare.for_step(1.0e-3)] {
         assert!(!other.relaxes());
-        let mut old = [0.0; 13];
+        let mut old = [0.0; 15];
         for _ in 0..100 {
             let strain = Strain(random.six().map(|x| 3.0e-4 * x));
             let (mut new, mut same) = (old, old);

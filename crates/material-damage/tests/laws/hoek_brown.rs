@@ -287,3 +287,25 @@ fn wrong_parameters_are_refused() {
         }
     }
 }
+
+/// The driver follows uniaxial tension without dilation beyond the yield stress, in few steps and in many,
+/// from rest and from pressure, and with little or full dilation: the elastic first guess of a step lands on
+/// the apex there, which no correction leaves.
+#[test]
+fn uniaxial_tension_is_followed_with_and_without_dilation() {
+    for share in [0.0, 0.01, 0.5, 1.0] {
+        let surface = HoekBrown::new(tunnel(share)).unwrap();
+        let strength = surface.uniaxial_tension();
+        for (strain, steps) in [(1.0e-4, 1), (1.0e-3, 1), (1.0e-3, 10), (1.0e-2, 100)] {
+            let mut point = PointDriver::new(ElastoPlastic::new(surface));
+            let path = point.advance(Control::uniaxial(strain), steps);
+            let path = path.unwrap_or_else(|error| panic!("{share} {strain} {steps}: {error}"));
+            let stress = path[steps - 1].stress.0;
+            assert!(
+                (stress[2] / strength - 1.0).abs() < 1e-8,
+                "{share} {stress:?}"
+            );
+            assert!(stress[0].abs() < 1e-8 * strength && stress[1].abs() < 1e-8 * strength);
+        }
+    }
+}

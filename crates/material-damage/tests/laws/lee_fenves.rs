@@ -99,7 +99,7 @@ fn yield_stresses_are_closed_forms() {
     let law = LeeFenves::new(p).unwrap();
     let (t, c) = (p.tension_strength, p.compression_limit);
     let value = |[xx, yy, zz]: [f64; 3], xy: f64| {
-        law.yield_function(&Stress([xx, yy, zz, xy, 0.0, 0.0]), &[0.0; 13], 0.3)
+        law.yield_function(&Stress([xx, yy, zz, xy, 0.0, 0.0]), &[0.0; 15], 0.3)
     };
     let alpha = 0.16 / 1.32;
     let beta = c / t * (1.0 - alpha) - (1.0 + alpha);
@@ -137,13 +137,13 @@ fn yield_stresses_are_closed_forms() {
 
 /// A point with some damage, and a trial strain.
 struct Case {
-    history: [f64; 13],
+    history: [f64; 15],
     strain: [f64; 6],
     size: f64,
 }
 
 fn case(random: &mut Random, number: usize) -> Case {
-    let mut history = [0.0; 13];
+    let mut history = [0.0; 15];
     history[6] = 2.0e-4 * random.unit() * [0.0, 1.0][number % 2];
     history[7] = 1.0e-3 * random.unit() * [0.0, 1.0][number / 2 % 2];
     let scale = 10.0_f64.powf(-4.5 + 2.5 * random.unit());
@@ -157,10 +157,14 @@ fn case(random: &mut Random, number: usize) -> Case {
             *e *= 0.1;
         }
     }
+    let size = 0.05 + 0.3 * random.unit();
+    for (strain, width) in [(6, 13), (7, 14)] {
+        history[width] = if history[strain] > 0.0 { size } else { 0.0 };
+    }
     Case {
         history,
         strain,
-        size: 0.05 + 0.3 * random.unit(),
+        size,
     }
 }
 
@@ -262,7 +266,7 @@ fn returns_solve_the_return_equations() {
         let elastic = Stress::elastic(lambda, shear, &Strain(case.strain));
         let trial = Vector3::from(PrincipalAxes::of(&elastic).values);
         let expected = bisection(&p, &case, trial);
-        let mut new = [0.0; 13];
+        let mut new = [0.0; 15];
         let input = LawInput::new(Strain(case.strain), &case.history).with_size(case.size);
         let nominal = law.stress_change(&input, &mut new);
         apexes += usize::from(new[12] == 2.0);
@@ -355,8 +359,8 @@ fn stiffness_recovers_as_cracks_close() {
     }
 }
 
-fn end(law: &LeeFenves, end: [f64; 6], parts: usize) -> ([f64; 6], [f64; 13]) {
-    let (mut old, mut new) = ([0.0; 13], [0.0; 13]);
+fn end(law: &LeeFenves, end: [f64; 6], parts: usize) -> ([f64; 6], [f64; 15]) {
+    let (mut old, mut new) = ([0.0; 15], [0.0; 15]);
     let mut stress = [0.0; 6];
     for part in 1..=parts {
         let strain = end.map(|e| e * part as f64 / parts as f64);

@@ -1,6 +1,7 @@
 //! The laws of the crate, one point at a time.
 
 mod consistency;
+mod crack_band;
 mod driver;
 mod drucker_prager;
 mod elastic_domain;

@@ -179,7 +179,7 @@ fn initial_stress_counts_as_strain() {
     let half = strain.map(|e| 0.5 * e);
     let medium = law.medium();
     let initial = Stress::elastic(medium.lambda(), medium.shear(), &Strain(half));
-    let (old, mut whole, mut parted) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+    let (old, mut whole, mut parted) = ([0.0; 5], [0.0; 5], [0.0; 5]);
     let direct = law.stress_change(&LawInput::new(Strain(strain), &old), &mut whole);
     let input = LawInput::new(Strain(half), &old).with_initial(initial);
     let split = initial + law.stress_change(&input, &mut parted);
@@ -216,8 +216,8 @@ fn the_papers_concrete_has_its_listed_strengths() {
 fn extreme_strains_are_finite_or_not_finite() {
     let law = Mazars::new(typical(rates(1.0))).unwrap();
     let respond = |strain: [f64; 6]| {
-        let mut new = [0.0_f64; 4];
-        let stress = law.stress_change(&LawInput::new(Strain(strain), &[0.0; 4]), &mut new);
+        let mut new = [0.0_f64; 5];
+        let stress = law.stress_change(&LawInput::new(Strain(strain), &[0.0; 5]), &mut new);
         (stress, new)
     };
     for size in [0.0, 1e-300, 1e-150, 1e-4, 1e3, 1e150, 1e290] {

@@ -190,7 +190,7 @@ fn snap_back_is_refused() {
 fn nothing_dissipates_less_than_nothing() {
     fn check<S: YieldSurface>(law: PlasticDamage<S>) {
         let mut random = Random(31);
-        let mut old = [0.0; 13];
+        let mut old = [0.0; 15];
         let (mut rate, mut strain) = ([0.0; 6], [0.0; 6]);
         let initial = Stress([-1.0e6, -0.5e6, -1.0e6, 0.1e6, 0.0, 0.0]);
         let (mut sum, mut most) = ([0.0_f64; 3], 0.0_f64);
@@ -202,7 +202,7 @@ fn nothing_dissipates_less_than_nothing() {
             for i in 0..6 {
                 strain[i] = 0.999 * strain[i] + rate[i];
             }
-            let mut new = [0.0; 13];
+            let mut new = [0.0; 15];
             let input = LawInput::new(Strain(strain), &old)
                 .with_initial(initial)
                 .with_size(0.5);

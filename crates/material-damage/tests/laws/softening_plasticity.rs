@@ -112,11 +112,11 @@ fn returns_solve_the_return_equations() {
         let rate = size * (1.0 - RESIDUAL) * strength() / ENERGY;
         let share = |k: f64| RESIDUAL + (1.0 - RESIDUAL) * (-rate * k).exp();
         let before = [0.0, 2.0e-3 * random.unit()][number as usize / 3 % 2];
-        let mut old = [0.0; 10];
+        let mut old = [0.0; 11];
         (old[7], old[8]) = (before, 1.0 - share(before));
         let scale = 10.0_f64.powf(-4.0 + 2.5 * random.unit());
         let strain = random.six().map(|x| scale * x);
-        let mut new = [0.0; 10];
+        let mut new = [0.0; 11];
         let input = LawInput::new(Strain(strain), &old).with_size(size);
         let stress = law.stress_change(&input, &mut new);
         let medium = p.medium;
@@ -203,7 +203,7 @@ fn increments_do_not_matter() {
     for _ in 0..200 {
         let strain = Strain(random.six().map(|x| 2.0e-3 * x));
         let stresses = [
-            lasting.stress_change(&LawInput::new(strain, &[0.0; 10]), &mut [0.0; 10]),
+            lasting.stress_change(&LawInput::new(strain, &[0.0; 11]), &mut [0.0; 11]),
             perfect.stress_change(&LawInput::new(strain, &[0.0; 8]), &mut [0.0; 8]),
         ];
         assert_eq!(stresses[0], stresses[1]);

@@ -12,10 +12,19 @@ use super::{KeysError, placed, refused};
 /// Published materials.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 pub(super) enum Preset {
-    /// The rock of Wang, Chen & Xiao (2019), Table 1.
+    /// The rock of Wang, Chen & Xiao (2019), Table 1. Its cohesion and friction do not give the strengths
+    /// that the table lists beside them: with the laws mohr-coulomb, drucker-prager and plastic-damage it
+    /// yields at 0.935 MPa in uniaxial tension and at 4.72 MPa in uniaxial compression, not at 1.3 and
+    /// 35 MPa. law = "two-surface" with this preset honours the listed strengths; so does plastic-damage
+    /// with surface = "two-surface".
     #[serde(rename = "paper-rock")]
     PaperRock,
-    /// The concrete C25 of Wang, Chen & Xiao (2019), Table 1.
+    /// The concrete C25 of Wang, Chen & Xiao (2019), Table 1. Its cohesion and friction do not give the
+    /// strengths that the table lists beside them: with the laws mohr-coulomb, drucker-prager and
+    /// plastic-damage it yields at 1.006 MPa in uniaxial tension and at 6.72 MPa in uniaxial compression,
+    /// not at 1.27 and 16.7 MPa. The laws two-surface, lee-fenves and mazars with this preset honour the
+    /// listed strengths, and plastic-damage with surface = "two-surface"; the presets C20 to C40 agree with
+    /// their own strengths in every law.
     #[serde(rename = "paper-c25")]
     PaperC25,
     /// Concrete C20/25 of Eurocode 2.

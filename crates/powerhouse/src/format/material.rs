@@ -44,7 +44,8 @@ pub struct Part {
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Damping {
     /// Rayleigh damping `C = mass M + stiffness K` that has a ratio at two frequencies, less in
-    /// between and more outside. Its stiffness part shortens the stable step.
+    /// between and more outside. Its stiffness part shortens the stable step; where a law yields or cracks
+    /// it acts with what is left of the stiffness, and its stress is in no output.
     Rayleigh {
         /// Share of critical damping at both frequencies, 0.05 for 5 %.
         ratio: Share,
@@ -55,7 +56,8 @@ pub enum Damping {
     Coefficients {
         /// Mass coefficient (1/s).
         mass: NonNegative,
-        /// Stiffness coefficient (s).
+        /// Stiffness coefficient (s); where a law yields or cracks it acts with what is left of the
+        /// stiffness.
         stiffness: NonNegative,
     },
     /// Damping that is the same at all frequencies of a band, by relaxation mechanisms in series

@@ -49,7 +49,8 @@ pub enum Quantity {
     /// Acceleration (m/s2).
     Acceleration,
     /// Stress (Pa), mean over an element: that of the motion, and of what stages left before it; in
-    /// envelopes the greatest and least principal stress.
+    /// envelopes the greatest and least principal stress. The stress of stiffness-proportional damping is
+    /// not in it, nor in section forces.
     Stress,
     /// What the material's law remembers, such as plastic strains, damage, damage type and yield
     /// state; of elements and, as the greatest values, in envelopes.

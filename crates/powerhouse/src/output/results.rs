@@ -10,7 +10,7 @@ use powerhouse_explicit_core::observe::{
     HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
     JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
-use powerhouse_explicit_core::{BoltSet, HandOverReport, RunReport, StageReport};
+use powerhouse_explicit_core::{BoltSet, HandOverReport, HourglassShare, RunReport, StageReport};
 use powerhouse_model::{Cadence, ElementKind, JointRecord, Mesh, ModelError, Observer};
 
 use super::{BoltForces, CutWish, JointWish, OutputPlan, Remembered};
@@ -130,7 +130,22 @@ impl Results {
             joint: joint.into(),
             share,
         };
-        large.map(remark).collect()
+        let mut doubts: Vec<Remark> = large.map(remark).collect();
+        let resists = |stage: Option<&str>, sets: &[HourglassShare], doubts: &mut Vec<Remark>| {
+            let large = sets
+                .iter()
+                .filter(|set| set.share() > HourglassShare::LIMIT);
+            doubts.extend(large.map(|set| Remark::Hourglass {
+                stage: stage.map(String::from),
+                set: set.set.clone(),
+                share: set.share(),
+            }));
+        };
+        for stage in &self.stages {
+            resists(Some(&stage.name), &stage.hourglass, &mut doubts);
+        }
+        resists(None, &self.run.hourglass, &mut doubts);
+        doubts
     }
     /// The greatest values of all histories, section forces and envelopes.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {

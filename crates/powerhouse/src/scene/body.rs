@@ -154,6 +154,15 @@ impl Scene {
                 cost: DampingCost::of(&part.material, moving, (spectrum, *reference))?,
             });
         }
+        if let Damping::Rayleigh(rayleigh) = &part.damping
+            && rayleigh.stiffness != 0.0
+            && !part.material.is_linear()
+        {
+            facts.push(Remark::DampedHistory {
+                set: set(),
+                law: part.material.name().into(),
+            });
+        }
         if let Some(width) = part.rim {
             let of = self.mesh.element_set(&part.set)?.len();
             facts.push(Remark::Rim {

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use powerhouse_explicit_core::{StageReport, StaticReport};
+use powerhouse_explicit_core::{HourglassShare, StageReport, StaticReport};
 use powerhouse_io::write_whole;
 use powerhouse_model::{
     Bond, Cast, ContactState, HistoryField, JointHistory, JointRecord, JointState, State, Stress,
@@ -273,5 +273,11 @@ kept_fields!(StageReport {
     cast,
     solution,
     largest_displacement,
+    hourglass,
+});
+kept_fields!(HourglassShare {
+    set,
+    hourglass,
+    internal,
 });
 kept_fields!(BodyAtRest { state, stages });

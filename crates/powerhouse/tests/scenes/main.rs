@@ -1,8 +1,10 @@
 //! Scenes from files and from Rust: what they accept, and what runs of them give.
 
 mod base_motion;
+mod crack_bands;
 mod damping;
 mod grouting;
+mod hourglass;
 mod joint_output;
 mod joint_starts;
 mod joints;

@@ -2,6 +2,7 @@
 
 mod elastic;
 mod invariance;
+mod remaining;
 mod state;
 
 use nalgebra::{DMatrix, SymmetricEigen};

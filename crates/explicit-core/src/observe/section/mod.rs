@@ -64,7 +64,8 @@ pub struct SectionGeometry {
 /// crown.axial_per_metre, crown.shear_per_metre   axial and shear_across over the width (N/m)
 /// crown.moment_per_metre   moment_across over the width (N m/m)
 /// ```
-/// They are those of the whole stress, of what stages left too, but for that of stiffness damping.
+/// They are those of the whole stress, of what stages left too, but for that of stiffness damping, which
+/// acts on the nodes and is in no output of stress.
 ///
 /// # Method
 /// The integrals are not taken over the plane. They are the virtual work of the internal forces

@@ -1,0 +1,77 @@
+//! What damage and flow leave of stiffness damping and of hourglass resistance.
+
+use powerhouse_model::{ElementKernel, Geometry, RemainingStiffness, Strain, Stress};
+
+use crate::lanes::BatchLane;
+
+/// The share of hourglass stiffness that stays whatever damage and flow leave: a mode without any would
+/// grow until its neighbours stop it.
+pub(super) const LEAST_RESISTANCE: f64 = 0.01;
+
+/// The share of stiffness damping that acts at a point in a step (s): what damage leaves, of the strain
+/// that is elastic. Without it a crack that opens fast would pull by the velocity of its sides, and flow
+/// overshoot its strength.
+#[inline(always)]
+pub(super) fn damped_share<L: BatchLane>(
+    remaining: &RemainingStiffness<L>,
+    resisted: &Stress<L>,
+    rate: &Strain<L>,
+    step: f64,
+) -> L {
+    let (zero, one) = (resisted.0[0].constant(0.0), resisted.0[0].constant(1.0));
+    let moved = resisted.work(rate) * one.constant(step);
+    let flowed = resisted.work(&Strain(remaining.flowed));
+    let some = zero.less(moved);
+    let elastic = one - flowed / moved.select(some, one);
+    let elastic = elastic.min(one).max(zero).select(some, one);
+    remaining.undamaged * elastic
+}
+
+/// Modal values times a factor.
+#[inline(always)]
+pub(super) fn times<L: BatchLane, const N: usize>(modes: &[[L; 3]; N], factor: L) -> [[L; 3]; N] {
+    let mut out = *modes;
+    for mode in &mut out {
+        for value in mode {
+            *value = *value * factor;
+        }
+    }
+    out
+}
+
+/// Modal values less others.
+#[inline(always)]
+pub(super) fn less<L: BatchLane, const N: usize>(
+    modes: &[[L; 3]; N],
+    other: &[[L; 3]; N],
+) -> [[L; 3]; N] {
+    let mut out = *modes;
+    for a in 0..N {
+        for i in 0..3 {
+            out[a][i] = out[a][i] - other[a][i];
+        }
+    }
+    out
+}
+
+/// The hourglass form of two modal vectors, given with their difference: that of one and itself is
+/// twice its energy.
+#[inline(always)]
+pub(super) fn product<K, L, const N: usize, const P: usize>(
+    kernel: &K,
+    geometry: Geometry<L>,
+    modulus: L,
+    [a, b, difference]: [&[[L; 3]; N]; 3],
+) -> L
+where
+    K: ElementKernel<N, P>,
+    L: BatchLane,
+{
+    let mut sum = modulus.constant(0.0);
+    for (vector, sign) in [(a, 1.0), (b, 1.0), (difference, -1.0)] {
+        if let Some(energy) = kernel.hourglass_energy(geometry, modulus, vector) {
+            sum = energy.mul_add(sum.constant(sign), sum);
+        }
+    }
+    sum
+}

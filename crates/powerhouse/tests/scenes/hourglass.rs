@@ -1,0 +1,237 @@
+//! What the hourglass resistance of one-point bricks does to results, and that it is reported.
+
+use powerhouse::io::write_gmsh;
+use powerhouse::model::{FieldMotion, Mesh, Vec3};
+use powerhouse::{Registry, Remark, Results, Scene};
+
+use crate::support::{Folder, run};
+
+fn scene(mesh: &Mesh, text: String) -> Scene {
+    let folder = Folder::new("hourglass");
+    write_gmsh(folder.0.join("body.msh"), mesh).unwrap();
+    let path = folder.0.join("body.toml");
+    Scene::from_toml(text, path, &Registry::default()).unwrap()
+}
+
+/// The shares of hourglass work that a run warns of, by set.
+fn warned(results: &Results, mesh: &Mesh) -> Vec<(Option<String>, String, f64)> {
+    let doubts = results.doubts(mesh).into_iter();
+    let found = doubts.filter_map(|doubt| match doubt {
+        Remark::Hourglass { stage, set, share } => Some((stage, set, share)),
+        _ => None,
+    });
+    found.collect()
+}
+
+/// A strip one element thick that is bent lives by its hourglass stiffness, which is reported for the stage
+/// and for the run; eight points have none.
+#[test]
+fn hourglass_work_above_two_percent_is_reported() {
+    let high = Vec3::new(8.0, 1.0, 1.0);
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), high, [8, 1, 1], "strip").unwrap();
+    for (kernel, expected) in [("hex8-one-point", true), ("hex8-full", false)] {
+        let text = format!(
+            r#"
+title = "strip"
+[mesh]
+file = "body.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 9e9
+poisson = 0.2
+density = 2700
+[[part]]
+set = "strip"
+material = "rock"
+kernel = "{kernel}"
+[[support]]
+kind = "fixed"
+set = "left"
+[[load]]
+kind = "pressure"
+set = "top"
+pressure = 1e4
+[[stage]]
+name = "bending"
+[time]
+duration = 0.02
+"#
+        );
+        let results = run(scene(&mesh, text));
+        let found = warned(&results, &mesh);
+        assert_eq!(found.len(), if expected { 2 } else { 0 }, "{found:?}");
+        for (_, set, share) in &found {
+            assert!(set == "strip" && *share > 0.02, "{set} {share}");
+        }
+        if expected {
+            assert_eq!(found[0].0.as_deref(), Some("bending"));
+            assert!(found[1].0.is_none());
+        }
+    }
+}
+
+/// An SV wave at 60 degrees in ground of Poisson's ratio 0.49, in a slice of 600 m by 300 m with elements of 10
+/// m: three points of the surface follow the closed form to 0.06 (0.215 with the resistance of the whole of
+/// lambda + 2 G).
+#[test]
+fn shear_waves_in_nearly_incompressible_ground_follow_the_closed_form() {
+    let (low, high) = (Vec3::new(0.0, 0.0, -300.0), Vec3::new(600.0, 10.0, 0.0));
+    let mesh = Mesh::box_of_hexes(low, high, [60, 1, 30], "rock").unwrap();
+    let shear = 2750.0 * 1150.0_f64.powi(2);
+    let text = format!(
+        r#"
+title = "slice"
+[mesh]
+file = "body.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = {young}
+poisson = 0.49
+density = 2750
+[[part]]
+set = "rock"
+material = "rock"
+[[support]]
+kind = "roller"
+set = "front"
+[[support]]
+kind = "roller"
+set = "back"
+[[wave]]
+kind = "sv"
+incidence = 60
+azimuth = 0
+pulse = {{ kind = "ricker", displacement = 0.01, frequency = 5 }}
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "bottom"]
+scatterer = [300, 5, 0]
+[time]
+duration = 1.6
+[output]
+every = 2e-3
+[[output.history]]
+name = "a"
+at = [150, 0, 0]
+[[output.history]]
+name = "b"
+at = [300, 0, 0]
+[[output.history]]
+name = "c"
+at = [450, 0, 0]
+"#,
+        young = 2.0 * 1.49 * shear
+    );
+    let scene = scene(&mesh, text);
+    let field = scene.incident_field().unwrap().clone();
+    let results = run(scene);
+    let points = [150.0, 300.0, 450.0].map(|x| Vec3::new(x, 0.0, 0.0));
+    let sampler = field.prepare(&points).unwrap();
+    let (mut error, mut size) = (0.0, 0.0);
+    let columns = ["a.ux", "b.ux", "c.ux", "a.uz", "b.uz", "c.uz"];
+    let columns = columns.map(|name| &results.histories.column(name).unwrap().values);
+    for (row, time) in results.histories.times.iter().enumerate() {
+        let mut motion = [FieldMotion::default(); 3];
+        sampler.add_motion(*time, &mut motion);
+        for (point, motion) in motion.iter().enumerate() {
+            let exact = [motion.displacement.x, motion.displacement.z];
+            for (component, exact) in exact.iter().enumerate() {
+                error += (columns[3 * component + point][row] - exact).powi(2);
+                size += exact.powi(2);
+            }
+        }
+    }
+    let error = (error / size).sqrt();
+    assert!(error <= 0.06, "{error}");
+}
+
+/// The wall of a hole in rock of Mohr and Coulomb with associated flow, 30 MPa far off and none inside, on a
+/// quarter of a ring of 60 x 24 one-point bricks to 20 radii by dynamic relaxation, closes as Salencon's closed
+/// form says to 6 % (less than half of it with the resistance of the whole stiffness), or hourglass work is
+/// reported.
+#[test]
+#[ignore = "a minute: cargo test --workspace --test scenes -- --ignored a_hole_in_associated_rock"]
+fn a_hole_in_associated_rock_closes_as_the_closed_form() {
+    hole(15);
+}
+
+/// The same on a sector of three of the bricks, which by symmetry is the ring.
+#[test]
+fn a_sector_of_a_hole_closes_as_the_closed_form() {
+    hole(3);
+}
+
+/// So many bricks around the hole, of six degrees each.
+fn hole(around: usize) {
+    let high = Vec3::new(1.0, 1.0, 0.1);
+    let unit = Mesh::box_of_hexes(Vec3::zeros(), high, [24, around, 1], "rock").unwrap();
+    let whole = (6.0 * around as f64).to_radians();
+    let mesh = unit.map_positions(|x| {
+        let (radius, angle) = (20.0_f64.powf(x.x), x.y * whole);
+        Vec3::new(radius * angle.cos(), radius * angle.sin(), x.z)
+    });
+    let mesh = mesh.unwrap();
+    let rollers: String = ["front", "back", "bottom", "top"]
+        .map(|set| format!("[[support]]\nkind = \"roller\"\nset = \"{set}\"\n"))
+        .concat();
+    let text = format!(
+        r#"
+title = "hole"
+[mesh]
+file = "body.msh"
+[[material]]
+name = "rock"
+law = "mohr-coulomb"
+young = 9e9
+poisson = 0.27
+density = 2750
+friction = 42
+dilation = 42
+cohesion = 1.05e6
+[[part]]
+set = "rock"
+material = "rock"
+kernel = "hex8-one-point"
+{rollers}
+[[load]]
+kind = "pressure"
+set = "right"
+pressure = 30e6
+[in_situ_stress]
+kind = "linear"
+level = 0
+stress = [-30e6, -30e6, -30e6, 0, 0, 0]
+gradient = [0, 0, 0, 0, 0, 0]
+[[stage]]
+name = "hole"
+method = "dynamic-relaxation"
+increments = 10
+tolerance = 1e-6
+[time]
+duration = 1e-3
+"#
+    );
+    let simulation = scene(&mesh, text).prepare().unwrap();
+    let body = simulation.bring_to_rest(None, None).unwrap().unwrap();
+    let nodes = mesh.positions().iter().zip(&body.state().displacement);
+    let at_wall = nodes.filter(|(x, _)| (x.x.hypot(x.y) - 1.0).abs() < 1e-9);
+    let inward: Vec<f64> = at_wall
+        .map(|(x, u)| -(x.x * u.x + x.y * u.y) / x.x.hypot(x.y))
+        .collect();
+    let found = inward.iter().sum::<f64>() / inward.len() as f64;
+
+    let (far, poisson) = (30.0e6, 0.27);
+    let shear = 9.0e9 / (2.0 * (1.0 + poisson));
+    let n = (66.0_f64.to_radians()).tan().powi(2);
+    let share = 2.0 * 1.05e6 * n.sqrt() / (n - 1.0);
+    let plastic = (2.0 / (n + 1.0) * (far + share) / share).powf(1.0 / (n - 1.0));
+    let outer = (1.0 - poisson) * (n * n - 1.0) / (2.0 * n) * share * plastic.powf(2.0 * n);
+    let inner = ((1.0 - poisson) * (n * n + 1.0) / (2.0 * n) - poisson) * share;
+    let expected = ((2.0 * poisson - 1.0) * (far + share) + outer + inner) / (2.0 * shear);
+    let error = found / expected - 1.0;
+    let hourglass = &body.stages()[0].hourglass;
+    let is_warned = hourglass.iter().any(|set| set.share() > 0.02);
+    assert!(error.abs() <= 0.06 || is_warned, "{error} {hourglass:?}");
+}
