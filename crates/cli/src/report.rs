@@ -158,6 +158,9 @@ pub(crate) fn check(report: &CheckReport) {
         bytes(cost.memory),
         bytes(cost.output)
     );
+    if let Some(format) = &report.format {
+        println!("{format}");
+    }
     if !report.savings.is_empty() {
         say!("\nwhat would save most");
     }
