@@ -159,7 +159,7 @@ pub(crate) fn check(report: &CheckReport) {
         bytes(cost.output)
     );
     if let Some(format) = &report.format {
-        println!("{format}");
+        say!("{format}");
     }
     if !report.savings.is_empty() {
         say!("\nwhat would save most");

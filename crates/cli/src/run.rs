@@ -5,10 +5,9 @@ use std::process::ExitCode;
 
 use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
-use powerhouse::{Error, ResultFolder, RunHooks, StageAtRest, StageSink};
-use powerhouse_study::FreeFieldCheck;
+use powerhouse::{Error, ResultFolder, RunHooks, RunNotes, StageAtRest, StageSink};
 use powerhouse_study::saving::FormatError;
-    let size = OutputSize::of(&scene)?;
+use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
 use crate::progress::{Display, Resting};
 use crate::terminal::{say, warn_aside};
@@ -57,7 +56,7 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
     };
     let mut warnings = powerhouse_study::warnings(&scene)?;
     if let Some(format) = FormatError::of(&scene)?.filter(FormatError::is_large) {
-        warnings.push(powerhouse_study::Warning::Format(format));
+        warnings.push(Warning::Format(format));
     }
     let size = OutputSize::of(&scene)?;
     let mut simulation = scene.prepare()?;

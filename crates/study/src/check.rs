@@ -91,7 +91,7 @@ impl Warning {
     pub fn doubt(&self) -> Doubt {
         let about = match self {
             Self::Remark(remark) => remark.topic(),
-            Self::Unresolved { .. } => Topic::Histories,
+            Self::Unresolved { .. } | Self::Format(_) => Topic::Histories,
             Self::Mismatch { .. } | Self::JointAtBoundary { .. } => Topic::Joints,
             Self::StillField { .. } => Topic::Input,
             _ => Topic::Run,
