@@ -160,6 +160,9 @@ pub(crate) fn check(report: &CheckReport) {
         bytes(cost.memory),
         bytes(cost.output)
     );
+    if let Some(format) = &report.format {
+        say!("{format}");
+    }
     if !report.savings.is_empty() {
         say!("\nwhat would save most");
     }

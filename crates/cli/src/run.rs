@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::{Error, ResultFolder, RunHooks, RunNotes, StageAtRest, StageSink};
+use powerhouse_study::saving::FormatError;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
 use crate::progress::{Display, Resting};
@@ -53,7 +54,10 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
     };
-    let warnings = powerhouse_study::warnings(&scene)?;
+    let mut warnings = powerhouse_study::warnings(&scene)?;
+    if let Some(format) = FormatError::of(&scene)?.filter(FormatError::is_large) {
+        warnings.push(Warning::Format(format));
+    }
     let size = OutputSize::of(&scene)?;
     let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;

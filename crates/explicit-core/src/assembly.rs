@@ -9,9 +9,12 @@ pub enum Precision {
     #[default]
     F64,
     /// Nodes in double precision, element arithmetic in single precision on displacement
-    /// differences that are formed in double precision.
+    /// differences that are formed in double precision; double precision where the natural
+    /// frequency of an element is far above that of the body, since rounding excites such elements
+    /// most.
     Mixed,
-    /// Nodes and elements in single precision.
+    /// Displacements of nodes in double precision as their differences, velocities and forces of nodes in
+    /// single precision, elements as in [`Mixed`](Self::Mixed).
     F32,
 }
 
@@ -59,6 +62,8 @@ pub struct BlockPart<'a> {
     /// Engine numbers of the nodes that the part touches: those that it owns first, in rising
     /// order, then those of other blocks. Forces are written in this order.
     pub nodes: &'a [u32],
+    /// Whether element arithmetic is to be in double precision whatever the options say.
+    pub double: bool,
 }
 
 impl<'a> BlockPart<'a> {
@@ -74,7 +79,14 @@ impl<'a> BlockPart<'a> {
             elements,
             numbering,
             nodes,
+            double: false,
         }
+    }
+    /// The same with element arithmetic in double precision, if so, whatever the options say.
+    #[must_use]
+    pub fn in_double(mut self, double: bool) -> Self {
+        self.double = double;
+        self
     }
 }
 

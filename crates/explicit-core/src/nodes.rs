@@ -44,8 +44,9 @@ storage!(f32, F32);
 
 /// All values at nodes, in engine numbering.
 pub(crate) struct NodalArrays<S: Storage> {
-    /// Displacement (m) at the present time.
-    pub(crate) displacement: Vec<Quad<S>>,
+    /// Displacement (m) at the present time, in double precision whatever the format: it is a sum over all
+    /// steps, and strains are small differences of it.
+    pub(crate) displacement: Vec<Quad<f64>>,
     /// Velocity (m/s) half a step before it.
     pub(crate) velocity: Vec<Quad<S>>,
     /// Internal forces (N) of the blocks, one buffer behind the other.
@@ -142,7 +143,7 @@ impl<S: Storage> NodalArrays<S> {
             external,
             gain,
             decay,
-            step: S::from_f64(step),
+            step,
             limit: S::from_f64(limit.min(S::MOST)),
         };
         // Wider instructions where the processor has them; they change no bit.
@@ -164,14 +165,13 @@ impl<S: Storage> NodalArrays<S> {
 
     /// Moves all nodes with the velocity they have.
     pub(crate) fn drift(&mut self, step: f64) {
-        let dt = S::from_f64(step);
         self.displacement
             .par_chunks_mut(CHUNK)
             .zip(self.velocity.par_chunks(CHUNK))
             .for_each(|(displacement, velocity)| {
                 for (place, velocity) in displacement.iter_mut().zip(velocity) {
                     for c in 0..4 {
-                        place.values[c] = place.values[c] + dt * velocity.values[c];
+                        place.values[c] += step * velocity.values[c].to_f64();
                     }
                 }
             });
@@ -254,7 +254,7 @@ struct Pass<'a, S: Storage> {
     external: &'a [Quad<S>],
     gain: &'a [S],
     decay: &'a [S],
-    step: S,
+    step: f64,
     limit: S,
 }
 
@@ -264,7 +264,7 @@ struct ChunkPass<'a, S: Storage, const DRIFT: bool> {
     pass: &'a Pass<'a, S>,
     chunk: usize,
     velocity: &'a mut [Quad<S>],
-    displacement: &'a mut [Quad<S>],
+    displacement: &'a mut [Quad<f64>],
 }
 
 impl<S: Storage, const DRIFT: bool> NullaryFnOnce for ChunkPass<'_, S, DRIFT> {
@@ -283,7 +283,7 @@ impl<S: Storage> Pass<'_, S> {
         &self,
         chunk: usize,
         velocity: &mut [Quad<S>],
-        displacement: &mut [Quad<S>],
+        displacement: &mut [Quad<f64>],
     ) -> bool {
         let start = chunk * CHUNK;
         let mut beyond = [false; 4];
@@ -311,7 +311,7 @@ impl<S: Storage> Pass<'_, S> {
                     for c in 0..4 {
                         if DRIFT {
                             let place = &mut displacement[i].values[c];
-                            *place = *place + self.step * new[c];
+                            *place += self.step * new[c].to_f64();
                         }
                         beyond[c] |= !new[c].within(self.limit);
                     }

@@ -7,11 +7,11 @@ use powerhouse::model::{ElementKind, QualityReport};
 use powerhouse::{Doubt, Error, Remark, Scene, StageOverview, Topic};
 
 use crate::StudyError;
-use crate::cost::{self, Cost};
+use crate::cost::{self, Clock, Cost};
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
-use crate::saving::{Saving, Survey};
+use crate::saving::{FormatError, Saving, Survey};
 use crate::static_cost::{self, Plans};
 
 /// Above this ratio of longest to shortest edge waves travel at different speeds along and across.
@@ -80,6 +80,8 @@ pub enum Warning {
         /// The run's duration (s).
         duration: f64,
     },
+    /// A number format that errs by more than it is documented to.
+    Format(FormatError),
     /// No field, load, weight or prescribed motion: nothing moves.
     Undriven,
 }
@@ -89,7 +91,7 @@ impl Warning {
     pub fn doubt(&self) -> Doubt {
         let about = match self {
             Self::Remark(remark) => remark.topic(),
-            Self::Unresolved { .. } => Topic::Histories,
+            Self::Unresolved { .. } | Self::Format(_) => Topic::Histories,
             Self::Mismatch { .. } | Self::JointAtBoundary { .. } => Topic::Joints,
             Self::StillField { .. } => Topic::Input,
             _ => Topic::Run,
@@ -138,6 +140,11 @@ impl fmt::Display for Warning {
                 f,
                 "the field does not move the surface within the {duration} s of the run"
             ),
+            Self::Format(format) => write!(
+                f,
+                "{format}; it is documented to err by at most {}: take `precision = \"f64\"`",
+                format.documented
+            ),
             Self::Undriven => f.write_str("nothing drives this scene"),
             Self::Unresolved {
                 motion,
@@ -179,6 +186,8 @@ pub struct CheckReport {
     pub remarks: Vec<Remark>,
     /// Doubts.
     pub warnings: Vec<Warning>,
+    /// The error of the scene's number format, if it is not double precision.
+    pub format: Option<FormatError>,
     /// The three changes that would save most, the best first.
     pub savings: Vec<Saving>,
 }
@@ -215,18 +224,24 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         None => None,
     };
     let of_stages = static_cost::of(&simulation, &plans, account.memory_of_stages())?;
+    let title = simulation.title().to_owned();
+    let mut clock = Clock::of(&mut simulation)?;
+    let of_step = clock.time_of_step()?;
     let cost = Cost {
         steps,
         step,
-        wall_time: cost::time_of_step(&mut simulation)?.mul_f64(steps as f64),
+        wall_time: of_step.mul_f64(steps as f64),
         stages: of_stages,
         self_check,
         memory: account.memory(steps),
         output: account.output(steps),
     };
-    let savings = survey.best(&stable, &resolution, (&cost, &mut simulation));
+    let timing = (step, steps, of_step);
+    let (savings, format) = survey.best(&stable, &resolution, &mut clock, timing);
+    let large = format.iter().filter(|format| format.is_large());
+    warnings.extend(large.cloned().map(Warning::Format));
     Ok(CheckReport {
-        title: simulation.title().to_owned(),
+        title,
         nodes: mesh.node_count(),
         elements: mesh.element_count(),
         quality,
@@ -237,6 +252,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         cost,
         remarks,
         warnings,
+        format,
         savings,
     })
 }

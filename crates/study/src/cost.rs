@@ -30,48 +30,102 @@ pub struct Cost {
     pub output: u64,
 }
 
-/// Steps taken before the clock starts, and steps that are timed; more until the clock is sure.
+/// Steps taken before the clock starts, and twice as many are timed at least; more until the clock is
+/// sure, or this share of the run is through.
 const WARM_UP: u64 = 5;
-/// The clock runs at least so long.
-const LEAST_CLOCK: Duration = Duration::from_millis(800);
+const CLOCK: Duration = Duration::from_millis(400);
+const SHARE_OF_RUN: f64 = 0.05;
+/// Turns in which the steps of two simulations are timed, the time that one of them lasts, and the share of
+/// the run that it takes at most.
+const TURNS: u64 = 5;
+const TURN: Duration = Duration::from_millis(120);
+const SHARE_OF_TURN: f64 = 0.01;
+/// A turn of fewer steps tells nothing.
+const LEAST_TURN: u64 = 4;
 
-/// The time of one step, from some that are computed.
-pub(crate) fn time_of_step(simulation: &mut Simulation) -> Result<Duration, StudyError> {
-    simulation.time_steps(WARM_UP)?;
-    let mut count = 2 * WARM_UP;
-    loop {
-        let taken = simulation.time_steps(count)?;
-        if taken >= LEAST_CLOCK {
-            return Ok(taken.div_f64(count as f64));
-        }
-        count *= 2;
-    }
+/// A simulation whose steps are timed, none of them after the end of its run.
+pub(crate) struct Clock<'a> {
+    simulation: &'a mut Simulation,
+    /// Steps of the run, and those that are left.
+    steps: u64,
+    left: u64,
 }
 
-/// Turns in which the steps of two simulations are timed, and the least that one of them lasts.
-const TURNS: usize = 3;
-const LEAST_TURN: Duration = Duration::from_millis(200);
+impl<'a> Clock<'a> {
+    /// The clock of a simulation that has not moved yet.
+    pub(crate) fn of(simulation: &'a mut Simulation) -> Result<Self, StudyError> {
+        let steps = (simulation.duration() / simulation.step()?).ceil() as u64 + 1;
+        Ok(Self {
+            simulation,
+            steps,
+            left: steps,
+        })
+    }
 
-/// The time of a step of one simulation over that of another: both take their turns, and the least of
-/// each counts, so that what else the machine does falls on both alike or on neither.
-pub(crate) fn ratio_of_steps(
-    one: &mut Simulation,
-    other: &mut Simulation,
-) -> Result<f64, StudyError> {
-    one.time_steps(WARM_UP)?;
-    other.time_steps(WARM_UP)?;
-    let mut count = WARM_UP;
-    while other.time_steps(count)? < LEAST_TURN {
-        count *= 2;
+    /// Steps that can still be timed at once: the first and the last of some are taken beside.
+    fn possible(&self) -> u64 {
+        self.left.saturating_sub(2)
     }
-    let mut least = [f64::INFINITY; 2];
-    for _ in 0..TURNS {
-        let times = [one.time_steps(count)?, other.time_steps(count)?];
-        for (least, time) in least.iter_mut().zip(times) {
-            *least = least.min(time.as_secs_f64());
+
+    /// The time of some steps, as many as are left.
+    fn time(&mut self, count: u64) -> Result<Duration, StudyError> {
+        let count = count.min(self.possible());
+        if count == 0 {
+            return Ok(Duration::ZERO);
         }
+        self.left -= count + 2;
+        Ok(self.simulation.time_steps(count)?)
     }
-    Ok(least[0] / least[1])
+
+    /// The time of one step, from some that are computed; zero for a run of fewer than three steps.
+    pub(crate) fn time_of_step(&mut self) -> Result<Duration, StudyError> {
+        if self.possible() > 4 * WARM_UP {
+            self.time(WARM_UP)?;
+        }
+        let (mut count, mut of_step) = (2 * WARM_UP, Duration::ZERO);
+        while self.possible() > 0 {
+            let timed = count.min(self.possible());
+            let taken = self.time(timed)?;
+            of_step = taken.div_f64(timed as f64);
+            let through = (self.steps - self.left) as f64;
+            if taken >= CLOCK || through >= SHARE_OF_RUN * self.steps as f64 {
+                break;
+            }
+            count *= 2;
+        }
+        Ok(of_step)
+    }
+
+    /// The time of a step over that of another simulation, one of whose steps takes `of_step`: both take
+    /// their turns, and the middle one of each counts, so that what else the machine does falls on both
+    /// alike or on neither. Nothing if their runs have too few steps.
+    pub(crate) fn ratio_to(
+        &mut self,
+        other: &mut Clock<'_>,
+        of_step: Duration,
+    ) -> Result<Option<f64>, StudyError> {
+        let wanted = TURN.as_secs_f64() / of_step.as_secs_f64().max(1e-9);
+        let most = SHARE_OF_TURN * self.steps.min(other.steps) as f64;
+        let room = self.left.min(other.left) / (TURNS + 1);
+        let count = wanted.min(most.max(LEAST_TURN as f64)).ceil() as u64;
+        let count = count.min(room.saturating_sub(2));
+        if count < LEAST_TURN {
+            return Ok(None);
+        }
+        let warm = count.min(WARM_UP);
+        self.time(warm)?;
+        other.time(warm)?;
+        let mut times = [Vec::new(), Vec::new()];
+        for _ in 0..TURNS {
+            times[0].push(self.time(count)?);
+            times[1].push(other.time(count)?);
+        }
+        let [own, others] = times.map(|mut times| {
+            times.sort_unstable();
+            times[times.len() / 2].as_secs_f64()
+        });
+        Ok((others > 0.0).then(|| own / others))
+    }
 }
 
 /// Bytes per node: position, displacement, velocity and forces (32 each), mass, numbers.

@@ -14,7 +14,7 @@ use powerhouse::{
 };
 
 use crate::StudyError;
-use crate::cost::time_of_step;
+use crate::cost::Clock;
 use crate::resolution::longest_edge_of;
 use crate::sides::bring_over;
 
@@ -228,7 +228,8 @@ impl FreeFieldCheck {
         let mut sum = Duration::ZERO;
         for scene in [Some(self.elastic), self.damped].into_iter().flatten() {
             let (mut simulation, step) = prepare(scene, scene_step)?;
-            sum += time_of_step(&mut simulation)?.mul_f64(self.window / step);
+            let of_step = Clock::of(&mut simulation)?.time_of_step()?;
+            sum += of_step.mul_f64(self.window / step);
         }
         Ok(sum)
     }

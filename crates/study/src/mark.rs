@@ -9,7 +9,7 @@ use crate::StudyError;
 
 /// The software as far as results depend on it: its version, and a number that rises whenever the same inputs
 /// come to other results within a version.
-pub(crate) const REVISION: &str = concat!("powerhouse ", env!("CARGO_PKG_VERSION"), " revision 4");
+pub(crate) const REVISION: &str = concat!("powerhouse ", env!("CARGO_PKG_VERSION"), " revision 5");
 
 /// What a case was computed from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -39,7 +39,7 @@ pub struct StaticCost {
 }
 
 /// Stages are gone through for so long, or until the first correction is done.
-const TRIAL: Duration = Duration::from_secs(4);
+const TRIAL: Duration = Duration::from_millis(2500);
 /// Digits that a correction gains where nothing yields: the linear solver leaves a hundredth.
 const ELASTIC_DIGITS: f64 = 2.0;
 /// Digits that a correction gains where ground yields, in the mean of the scenes of the example

@@ -116,7 +116,11 @@ where
     }
     fn build(&self, part: &BlockPart) -> Result<Box<dyn ElementBlock>, ModelError> {
         let law = self.law.law.clone();
-        Ok(match self.options.precision {
+        let precision = match self.options.precision {
+            Precision::Mixed | Precision::F32 if part.double => Precision::F64,
+            precision => precision,
+        };
+        Ok(match precision {
             Precision::F64 => {
                 let law = law.map(|law| -> Arc<dyn BatchLaw<f64>> { law });
                 Box::new(self.block::<f64>(part, law)?)

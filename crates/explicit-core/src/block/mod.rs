@@ -126,24 +126,24 @@ where
     /// the displacement of the nodes.
     fn write_forces<A: NodeScalar>(
         &mut self,
-        displacement: &[Quad<A>],
+        displacement: &[Quad<f64>],
         velocity: &[Quad<A>],
         (step, damping): (f64, f64),
         booked: Option<&mut StepSums>,
         out: &mut [Quad<A>],
     ) -> bool {
+        let damped = damping != 0.0;
+        let moves = damped || (booked.is_some() && !self.is_linear());
         if const { size_of::<A>() < size_of::<S>() } {
-            // Nodes in fewer digits than elements: rare, and not worth code of its own.
-            let double = |values: &[Quad<A>]| -> Vec<Quad<f64>> {
-                values
-                    .iter()
-                    .map(|value| Quad::from_vector(&value.to_vector()))
-                    .collect()
+            // Nodes in fewer digits than elements: few blocks, whose forces are rounded once they are summed.
+            let mut sums = vec![Quad::default(); out.len()];
+            let velocity = if moves {
+                doubled(velocity)
+            } else {
+                Vec::new()
             };
-            let mut sums = double(out);
-            let (displacement, velocity) = (double(displacement), double(velocity));
             let finite = self.write_forces::<f64>(
-                &displacement,
+                displacement,
                 &velocity,
                 (step, damping),
                 booked,
@@ -155,8 +155,6 @@ where
             return finite;
         }
         out.fill(Quad::default());
-        let damped = damping != 0.0;
-        let moves = damped || (booked.is_some() && !self.is_linear());
         // A step is not linearised: its nodes need not be remembered.
         let keeps = !self.is_linear() && !self.law.is_stepping();
         let mut locals = if keeps {
@@ -164,23 +162,23 @@ where
         } else {
             SCRATCH.take()
         };
-        let local = A::local(&mut locals);
-        copy_nodes(displacement, &self.nodes, &mut local.displacement);
+        let (local, rates) = A::local(&mut locals);
+        copy_nodes(displacement, &self.nodes, local);
         if moves {
-            copy_nodes(velocity, &self.nodes, &mut local.velocity);
+            copy_nodes(velocity, &self.nodes, rates);
         }
         if self.is_linear() && damped {
-            for (value, &rate) in local.displacement.iter_mut().zip(&local.velocity) {
+            for (value, &rate) in local.iter_mut().zip(&*rates) {
                 *value = sum(*value, rate, damping);
             }
         }
         if let Some(reference) = &self.reference {
-            for (value, &from) in local.displacement.iter_mut().zip(reference) {
+            for (value, &from) in local.iter_mut().zip(reference) {
                 *value = difference(*value, from);
             }
         }
         let finite = if self.is_linear() {
-            self.elastic(&local.displacement, Some(out), None)
+            self.elastic(local, Some(out), None)
         } else {
             let mut account = core::mem::take(&mut self.account);
             let mut history = core::mem::take(&mut self.history);
@@ -192,12 +190,12 @@ where
             });
             let rates = moves.then_some(Rates {
                 step,
-                velocity: &local.velocity,
+                velocity: rates,
                 damping,
                 books,
             });
             let memory = Memory::Write(&mut history);
-            let finite = self.material(&local.displacement, memory, rates, Some(out), None);
+            let finite = self.material(local, memory, rates, Some(out), None);
             (self.account, self.history) = (account, history);
             finite
         };
@@ -212,7 +210,7 @@ where
     /// The elastic operator on nodes by place.
     fn elastic<A: BatchScalar>(
         &self,
-        nodes: &[Quad<A>],
+        nodes: &[Quad<f64>],
         out: Option<&mut [Quad<A>]>,
         survey: Option<&mut [Summary]>,
     ) -> bool {
@@ -230,7 +228,7 @@ where
     /// The law on nodes by place.
     fn material<A: BatchScalar>(
         &self,
-        nodes: &[Quad<A>],
+        nodes: &[Quad<f64>],
         history: Memory<S>,
         rates: Option<Rates<A, S>>,
         out: Option<&mut [Quad<A>]>,
@@ -286,7 +284,7 @@ where
     /// The same under the initial stiffness.
     fn elastic_survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
         let mut survey = vec![Summary::default(); self.elements.len()];
-        self.elastic(nodes, None, Some(&mut survey));
+        self.elastic::<f64>(nodes, None, Some(&mut survey));
         survey
     }
 
@@ -340,7 +338,7 @@ where
     fn forces_of<A: NodeScalar>(
         &mut self,
         context: &BlockContext,
-        displacement: &[Quad<A>],
+        displacement: &[Quad<f64>],
         velocity: &[Quad<A>],
         out: &mut [Quad<A>],
     ) -> Result<(), ElementFault> {
@@ -366,17 +364,15 @@ where
         out.fill(Quad::default());
         if operator == Operator::Elastic || self.is_linear() {
             if const { size_of::<A>() < size_of::<S>() } {
-                let double = |value: &Quad<A>| Quad::from_vector(&value.to_vector());
-                let x: Vec<Quad<f64>> = x.iter().map(double).collect();
                 let mut sums = vec![Quad::default(); out.len()];
-                self.apply_to(operator, &x, &mut sums);
+                self.apply_to::<f64>(operator, &doubled(x), &mut sums);
                 for (out, sum) in out.iter_mut().zip(sums) {
                     *out = Quad::from_vector(&sum.to_vector());
                 }
             } else {
-                let mut local = Vec::new();
-                copy_nodes(x, &self.nodes, &mut local);
-                self.elastic(&local, Some(out), None);
+                let numbers = self.nodes.numbers.iter();
+                let local = numbers.map(|&node| Quad::from_vector(&x[node as usize].to_vector()));
+                self.elastic(&local.collect::<Vec<_>>(), Some(out), None);
             }
             return;
         }
@@ -393,13 +389,21 @@ where
     }
 }
 
+/// The same values in double precision.
+fn doubled<A: NodeScalar>(values: &[Quad<A>]) -> Vec<Quad<f64>> {
+    let values = values.iter();
+    values
+        .map(|value| Quad::from_vector(&value.to_vector()))
+        .collect()
+}
+
 /// `a + factor b`.
-fn sum<A: NodeScalar>(a: Quad<A>, b: Quad<A>, factor: f64) -> Quad<A> {
+fn sum<A: NodeScalar>(a: Quad<f64>, b: Quad<A>, factor: f64) -> Quad<f64> {
     Quad::from_vector(&(a.to_vector() + b.to_vector() * factor))
 }
 
 /// `a - b`.
-fn difference<A: NodeScalar>(a: Quad<A>, b: Quad<f64>) -> Quad<A> {
+fn difference(a: Quad<f64>, b: Quad<f64>) -> Quad<f64> {
     Quad::from_vector(&(a.to_vector() - b.to_vector()))
 }
 
@@ -410,7 +414,7 @@ fn by_place(nodes: &[u32], view: NodalView) -> Vec<Quad<f64>> {
 }
 
 /// Views of one call that differ in storage are a fault of the engine's author.
-const ONE_STORAGE: &str = "all nodal views of one call have the same storage";
+const ONE_STORAGE: &str = "velocities and forces of one call have the same storage";
 
 impl<K, S, const N: usize, const P: usize> ElementBlock for Block<K, S, N, P>
 where
@@ -427,13 +431,17 @@ where
         &self.nodes.numbers
     }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
-        match (context.displacement, context.velocity, out) {
-            (NodalView::F64(u), NodalView::F64(v), NodalViewMut::F64(out)) => {
-                self.forces_of(context, u, v, out)
+        let converted;
+        let u = match context.displacement {
+            NodalView::F64(u) => u,
+            NodalView::F32(u) => {
+                converted = doubled(u);
+                &converted
             }
-            (NodalView::F32(u), NodalView::F32(v), NodalViewMut::F32(out)) => {
-                self.forces_of(context, u, v, out)
-            }
+        };
+        match (context.velocity, out) {
+            (NodalView::F64(v), NodalViewMut::F64(out)) => self.forces_of(context, u, v, out),
+            (NodalView::F32(v), NodalViewMut::F32(out)) => self.forces_of(context, u, v, out),
             _ => panic!("{ONE_STORAGE}"),
         }
     }

@@ -49,7 +49,7 @@ pub(super) struct Elastic<'a, K, A: BatchScalar, S, const N: usize, const P: usi
     pub(super) kernel: &'a K,
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
-    pub(super) nodes: &'a [Quad<A>],
+    pub(super) nodes: &'a [Quad<f64>],
     /// By place, if wanted.
     pub(super) out: Option<&'a mut [Quad<A>]>,
     /// One per element, if wanted.
@@ -77,7 +77,7 @@ where
                 .batches
                 .batch(index, L::WIDTH, self.kernel.geometry_len());
             let geometry = Geometry::<L>::new(token, batch.geometry);
-            gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
+            gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
             let modes = self.kernel.modes(&nodal);
             let strains = self.kernel.strains(geometry, &modes);
             let mut stresses = [Stress::zero(token); P];
@@ -158,7 +158,7 @@ pub(super) struct Material<'a, K, A: BatchScalar, S, const N: usize, const P: us
     pub(super) state: LawState<'a, S>,
     pub(super) history: Memory<'a, S>,
     pub(super) exchange: &'a mut Exchange<S>,
-    pub(super) nodes: &'a [Quad<A>],
+    pub(super) nodes: &'a [Quad<f64>],
     pub(super) rates: Option<Rates<'a, A, S>>,
     /// By place, if wanted.
     pub(super) out: Option<&'a mut [Quad<A>]>,
@@ -242,7 +242,7 @@ where
         let geometry = Geometry::<L>::new(token, batch.geometry);
         let nodes = self.batches.places.over(self.nodes);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
-        gather::<A, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
+        gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
         let modes = self.kernel.modes(&nodal);
         let strains = self.kernel.strains(geometry, &modes);
         (modes, strains)

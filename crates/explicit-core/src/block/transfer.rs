@@ -75,38 +75,25 @@ pub(super) fn scatter<A, L, const N: usize>(
 
 /// Nodal values of a block by place, so that its elements read a small contiguous piece of memory.
 #[derive(Debug, Default)]
-pub(super) struct Local<A: BatchScalar> {
-    /// Displacement since the reference (m).
-    pub(super) displacement: Vec<Quad<A>>,
-    /// Velocity (m/s).
-    pub(super) velocity: Vec<Quad<A>>,
-}
-
-impl<A: BatchScalar> Local<A> {
-    const NONE: Self = Self {
-        displacement: Vec::new(),
-        velocity: Vec::new(),
-    };
-}
-
-/// [`Local`] values in either storage.
-#[derive(Debug, Default)]
 pub(super) struct Locals {
-    double: Local<f64>,
-    single: Local<f32>,
+    /// Displacement since the reference (m).
+    pub(super) displacement: Vec<Quad<f64>>,
+    /// Velocity (m/s) in either storage.
+    double: Vec<Quad<f64>>,
+    single: Vec<Quad<f32>>,
 }
 
-/// A scalar that nodes are stored in, and elements computed in.
+/// A scalar that velocities and forces of nodes are stored in, and elements computed in.
 pub(super) trait NodeScalar: BatchScalar {
-    /// The local values in this storage.
-    fn local(locals: &mut Locals) -> &mut Local<Self>;
+    /// The local displacements, and the local velocities in this storage.
+    fn local(locals: &mut Locals) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<Self>>);
     /// The exchange in this scalar.
     fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<Self>;
 }
 
 impl NodeScalar for f64 {
-    fn local(locals: &mut Locals) -> &mut Local<f64> {
-        &mut locals.double
+    fn local(locals: &mut Locals) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<f64>>) {
+        (&mut locals.displacement, &mut locals.double)
     }
     fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<f64> {
         &mut exchanges.double
@@ -114,8 +101,8 @@ impl NodeScalar for f64 {
 }
 
 impl NodeScalar for f32 {
-    fn local(locals: &mut Locals) -> &mut Local<f32> {
-        &mut locals.single
+    fn local(locals: &mut Locals) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<f32>>) {
+        (&mut locals.displacement, &mut locals.single)
     }
     fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<f32> {
         &mut exchanges.single
@@ -125,19 +112,14 @@ impl NodeScalar for f32 {
 impl Locals {
     /// No values.
     pub(super) const NONE: Self = Self {
-        double: Local::NONE,
-        single: Local::NONE,
+        displacement: Vec::new(),
+        double: Vec::new(),
+        single: Vec::new(),
     };
     /// The displacement that was last used at a place (m), zero if none was.
     pub(super) fn displacement(&self, place: usize) -> Vec3 {
-        match (
-            self.double.displacement.get(place),
-            self.single.displacement.get(place),
-        ) {
-            (Some(value), _) => value.to_vector(),
-            (None, Some(value)) => value.to_vector(),
-            (None, None) => Vec3::zeros(),
-        }
+        let value = self.displacement.get(place);
+        value.map_or_else(Vec3::zeros, |value| value.to_vector())
     }
 }
 

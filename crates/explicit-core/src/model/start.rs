@@ -16,6 +16,8 @@ pub(super) struct Piece<'a> {
     pub(super) elements: Cow<'a, [u32]>,
     /// Which of the state's casts they belong to.
     pub(super) cast: Option<usize>,
+    /// Whether their arithmetic is in double precision whatever the factory says.
+    pub(super) double: bool,
 }
 
 /// What a model starts from, as far as it decides of what the model is made.
@@ -66,6 +68,7 @@ impl Start {
                     set,
                     elements: Cow::Borrowed(elements),
                     cast: None,
+                    double: false,
                 });
                 continue;
             }
@@ -80,6 +83,7 @@ impl Start {
                     set,
                     elements: own.filter(|&element| cast(element) == kind).collect(),
                     cast: kind,
+                    double: false,
                 });
             }
         }

@@ -115,8 +115,9 @@ pub enum Precision {
     /// Double precision.
     #[default]
     F64,
-    /// Nodes in double, element arithmetic in single precision.
+    /// Nodes in double, element arithmetic in single precision, but for a tenth at most of the elements,
+    /// those of the highest natural frequency.
     Mixed,
-    /// Single precision.
+    /// As mixed, with velocities and forces of nodes in single precision; displacements stay in double.
     F32,
 }

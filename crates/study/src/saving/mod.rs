@@ -3,10 +3,12 @@
 //! # Why so
 //! *Savings come from the cost model*: steps times the time of a step. Changes of kernel, number format and
 //! damping are made in the scene's file, and the changed scene is asked for its stable step and some of its
-//! steps are timed; changes of the mesh count the elements that are left.
+//! steps are timed in turns with those of the scene as it stands; changes of the mesh count the elements that
+//! are left.
 //!
-//! *Errors are measured or follow from a formula*, and each names its source. They are those of the change
-//! alone; several changes together save by the product of their shares.
+//! *Errors are measured on the scene itself*, over the first part of its run both ways, or say that they are
+//! not. They are those of the change alone; several changes together save by the product of their shares. A
+//! scene that is not in double precision is measured against itself in double precision.
 //!
 //! *Only what the scene allows is named*: half a body needs a mesh, parts and waves with a mirror image, a
 //! slice a body that is the same all along an axis, faces that come nearer a structure whose scattered waves
@@ -14,19 +16,23 @@
 
 mod shape;
 mod variant;
+mod window;
 
 use core::f64::consts::TAU;
 use core::fmt;
+use std::time::Duration;
 
-use powerhouse::engine::StableStep;
+use powerhouse::Scene;
+use powerhouse::engine::{Precision, StableStep};
 use powerhouse::model::{Axis, LimitingTerm};
-use powerhouse::{Scene, Simulation};
 
 use crate::StudyError;
 use crate::advice::Band;
-use crate::cost::Cost;
+use crate::cost::Clock;
 use crate::resolution::Resolution;
-use variant::Variant;
+use variant::Files;
+pub use window::MeasuredError;
+use window::{Facts, Growth, Window};
 
 /// So many are named, and none that saves less than this share of the time.
 const MOST: usize = 3;
@@ -37,6 +43,13 @@ const WORTH: f64 = 1.1;
 /// The stable step of assembled elements over the least bound of one alone, at least: 1.28 for cubes, more for
 /// distorted ones, less the margin of the step.
 const ASSEMBLED: f64 = 1.2 * 0.98;
+/// How the time is known of changes that leave steps as they are, or elements.
+const BY_COUNT: &str = "not timed, from the count of steps and elements";
+
+/// The largest relative L2 error of a history that number formats are documented to make.
+const MIXED_ERROR: f64 = 0.01;
+const SINGLE_ERROR: f64 = 0.03;
+const NO_FILE: &str = "the scene is a case, or has no file that could be read again";
 
 /// A change of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,12 +136,116 @@ impl fmt::Display for Change {
 /// An error, and how it is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedError {
-    /// Its size, relative.
-    pub share: f64,
+    /// Its size, relative; none if nothing is known of it.
+    pub share: Option<f64>,
     /// What it is an error of.
-    pub of: &'static str,
-    /// The formula or the measurement.
-    pub source: &'static str,
+    pub of: String,
+    /// The formula or the measurement, or why nothing is known.
+    pub source: String,
+}
+
+impl PredictedError {
+    fn measured(error: &MeasuredError) -> Self {
+        Self {
+            share: Some(error.share),
+            of: error.history.clone(),
+            source: error.source(),
+        }
+    }
+    fn unknown(reason: &str) -> Self {
+        Self {
+            share: None,
+            of: "histories".into(),
+            source: reason.into(),
+        }
+    }
+}
+
+impl fmt::Display for PredictedError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.share {
+            Some(share) => write!(f, "error {share:.1e} of {}, {}", self.of, self.source),
+            None => write!(f, "error of {} not measured: {}", self.of, self.source),
+        }
+    }
+}
+
+/// The error of a scene's number format against double precision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FormatError {
+    /// The format, as scenes name it.
+    pub format: &'static str,
+    /// The largest relative error of a history that the format is documented to make in lined openings.
+    pub documented: f64,
+    /// The error in this scene.
+    pub error: PredictedError,
+}
+
+impl FormatError {
+    /// Whether the scene is predicted to err by more than is documented.
+    #[must_use]
+    pub fn is_large(&self) -> bool {
+        let share = self.error.share;
+        share.is_some_and(|share| share > self.documented || share.is_nan())
+    }
+
+    /// The format of a scene, if it is not double precision, and its documented error.
+    fn documented(scene: &Scene) -> Option<(&'static str, f64)> {
+        match scene.number_format() {
+            Precision::F64 => None,
+            Precision::Mixed => Some(("mixed", MIXED_ERROR)),
+            Precision::F32 => Some(("f32", SINGLE_ERROR)),
+        }
+    }
+
+    /// The error of the number format of a scene, from the first part of its run in both formats, which
+    /// takes some hundredths of the time of the run; none in double precision.
+    ///
+    /// # Errors
+    /// What would keep the scene from running.
+    pub fn of(scene: &Scene) -> Result<Option<Self>, StudyError> {
+        let Some((format, documented)) = Self::documented(scene) else {
+            return Ok(None);
+        };
+        let facts = Facts::of(scene);
+        let files = Files::of(scene);
+        let error = match (facts.obstacle, &files) {
+            (Some(obstacle), _) => PredictedError::unknown(obstacle),
+            (None, None) => PredictedError::unknown(NO_FILE),
+            (None, Some(files)) => match files.own.prepare(files.own.duration) {
+                None => PredictedError::unknown("the scene does not run"),
+                Some(mut simulation) => {
+                    let step = simulation.step()?;
+                    let of_step = Clock::of(&mut simulation)?.time_of_step()?;
+                    drop(simulation);
+                    let window = Window::of(files.own.clone(), &facts, (of_step, step), 1);
+                    against_double(files, &window)
+                }
+            },
+        };
+        Ok(Some(Self {
+            format,
+            documented,
+            error,
+        }))
+    }
+}
+
+fn against_double(files: &Files, window: &Window) -> PredictedError {
+    match window.error_against(&files.double, Growth::OfRounding) {
+        Ok(error) => PredictedError::measured(&error),
+        Err(reason) => PredictedError::unknown(reason),
+    }
+}
+
+impl fmt::Display for FormatError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { format, error, .. } = self;
+        write!(
+            f,
+            "number format \"{format}\" against double precision: {error}"
+        )
+    }
 }
 
 /// What a change saves, and at what error.
@@ -142,6 +259,8 @@ pub struct Saving {
     pub elements: f64,
     /// Wall time of the steps over that of the scene as it stands.
     pub time: f64,
+    /// How that is known.
+    pub timed: &'static str,
     /// The error that it brings.
     pub error: PredictedError,
 }
@@ -150,14 +269,13 @@ impl fmt::Display for Saving {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}: saves {:.0} % of the time ({:.2} of the steps, {:.2} of the elements); error {:.1e} of {}, by {}",
+            "{}: saves {:.0} % of the time ({}; {:.2} of the steps, {:.2} of the elements); {}",
             self.change,
             100.0 * (1.0 - self.time),
+            self.timed,
             self.steps,
             self.elements,
-            self.error.share,
-            self.error.of,
-            self.error.source,
+            self.error,
         )
     }
 }
@@ -165,7 +283,10 @@ impl fmt::Display for Saving {
 /// What is known of a scene's changes before it is prepared.
 pub(crate) struct Survey {
     of_shape: Vec<Saving>,
-    variants: Vec<Variant>,
+    files: Option<Files>,
+    facts: Facts,
+    /// The scene's number format and its documented error, if it is not double precision.
+    format: Option<(&'static str, f64)>,
     elements: usize,
     /// The highest frequency of the motion that comes in (Hz), if waves do.
     highest: Option<f64>,
@@ -184,33 +305,53 @@ impl Survey {
         };
         Ok(Self {
             of_shape: shape::savings(scene)?,
-            variants: Variant::all(scene),
+            files: Files::of(scene),
+            facts: Facts::of(scene),
+            format: FormatError::documented(scene),
             elements: scene.mesh().element_count(),
             highest: band.map(|band| band.highest),
             crossing: (high - low).norm() / speeds.fold(f64::INFINITY, f64::min),
         })
     }
 
-    /// The changes that save most, those that save most first.
+    /// The changes that save most, those that save most first, and the error of the scene's number format;
+    /// a run has `steps` of a length `step` (s), each of which takes `of_step`.
     pub(crate) fn best(
         self,
         stable: &StableStep,
         resolution: &[Resolution],
-        (cost, simulation): (&Cost, &mut Simulation),
-    ) -> Vec<Saving> {
-        let (step, elements) = (cost.step, self.elements);
+        clock: &mut Clock,
+        (step, steps, of_step): (f64, u64, Duration),
+    ) -> (Vec<Saving>, Option<FormatError>) {
+        let elements = self.elements;
         let mut savings = self.of_shape;
         if let Some(highest) = self.highest {
             savings.extend(whole_step(stable, step, (highest, self.crossing)));
             let larger = larger_elements(stable, resolution, (highest, self.crossing), elements);
             savings.extend(larger);
         }
-        let changed = self.variants.into_iter();
-        savings.extend(changed.filter_map(|variant| variant.saving(simulation, cost.steps)));
+        let mut error = PredictedError::unknown(NO_FILE);
+        if let Some(mut files) = self.files {
+            let variants = core::mem::take(&mut files.variants);
+            let windows = variants.len() + usize::from(self.format.is_some());
+            let window = Window::of(files.own.clone(), &self.facts, (of_step, step), windows);
+            if self.format.is_some() {
+                error = against_double(&files, &window);
+            }
+            savings.extend(
+                (variants.into_iter())
+                    .filter_map(|variant| variant.saving((clock, steps), of_step, &window)),
+            );
+        }
+        let format = self.format.map(|(format, documented)| FormatError {
+            format,
+            documented,
+            error,
+        });
         savings.retain(|saving| saving.time <= 1.0 - LEAST);
         savings.sort_by(|a, b| a.time.total_cmp(&b.time));
         savings.truncate(MOST);
-        savings
+        (savings, format)
     }
 }
 
@@ -224,10 +365,11 @@ fn whole_step(stable: &StableStep, step: f64, (highest, crossing): (f64, f64)) -
         steps: share,
         elements: 1.0,
         time: share,
+        timed: BY_COUNT,
         error: PredictedError {
-            share: rate * crossing * (rate * stable.step).powi(2) / 24.0,
-            of: "motion at the highest frequency after the longest way",
-            source: "the phase error (w dt)^2/24 of central differences",
+            share: Some(rate * crossing * (rate * stable.step).powi(2) / 24.0),
+            of: "motion at the highest frequency after the longest way".into(),
+            source: "not measured, the phase error (w dt)^2/24 of central differences".into(),
         },
     })
 }
@@ -261,10 +403,13 @@ fn larger_elements(
         steps,
         elements: 1.0,
         time: steps,
+        timed: BY_COUNT,
         error: PredictedError {
-            share: rate * crossing * (wave_number * times * of_set.longest_edge).powi(2) / 24.0,
-            of: "motion at the highest frequency, at most",
-            source: "the phase error (k h)^2/24 of lumped bricks",
+            share: Some(
+                rate * crossing * (wave_number * times * of_set.longest_edge).powi(2) / 24.0,
+            ),
+            of: "motion at the highest frequency, at most".into(),
+            source: "not measured, the phase error (k h)^2/24 of lumped bricks".into(),
         },
     })
 }

@@ -6,7 +6,7 @@ use powerhouse::Scene;
 use powerhouse::model::{Axis, Mesh, Vec3};
 use powerhouse::wavefield::WaveKind;
 
-use super::{Change, PredictedError, Saving};
+use super::{BY_COUNT, Change, PredictedError, Saving};
 use crate::StudyError;
 use crate::advice::{Room, kind_of, predicted_error};
 
@@ -41,6 +41,7 @@ fn of_elements(change: Change, elements: f64, error: PredictedError) -> Saving {
         steps: 1.0,
         elements,
         time: elements,
+        timed: BY_COUNT,
         error,
     }
 }
@@ -87,9 +88,9 @@ fn slice(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
     let elements = layer.element_count() as f64 / mesh.element_count() as f64;
     Ok((elements < 1.0).then(|| {
         let error = PredictedError {
-            share: SLICE_ERROR,
-            of: "histories",
-            source: "the example `plane_slice`",
+            share: Some(SLICE_ERROR),
+            of: "histories".into(),
+            source: "not measured on this scene, that of the example `plane_slice`".into(),
         };
         of_elements(Change::Slice { axis, at }, elements, error)
     }))
@@ -178,9 +179,9 @@ fn half(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
     }
     let elements = kept as f64 / mesh.element_count() as f64;
     let error = PredictedError {
-        share: HALF_ERROR,
-        of: "histories",
-        source: "halves of cubes that were run beside the whole",
+        share: Some(HALF_ERROR),
+        of: "histories".into(),
+        source: "not measured on this scene, that of halves of cubes run beside the whole".into(),
     };
     Ok(Some(of_elements(
         Change::Half { axis, at },
@@ -242,9 +243,9 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     };
     let left = left.len() as f64;
     let error = PredictedError {
-        share: predicted,
-        of: "displacement and velocity, that of the boundary as a whole",
-        source: "an opening in a slice of the ground, as `powerhouse advise boundary` has it",
+        share: Some(predicted),
+        of: "displacement and velocity, that of the boundary as a whole".into(),
+        source: "not measured on this scene, predicted by an opening in a slice of its ground, as `powerhouse advise boundary` has it".into(),
     };
     let change = Change::NearerFaces { share: NEARER };
     let all = scene.mesh().element_count() as f64;

@@ -1,111 +1,129 @@
 //! Changes of a scene's file, and what the changed scene costs.
 
-use std::path::PathBuf;
-
-use powerhouse::{Scene, Simulation};
+use powerhouse::Scene;
 use toml::Table;
 
+use super::window::{Growth, SceneFile, Window};
 use super::{Change, PredictedError, Saving};
+use crate::cost::Clock;
 use crate::trade::{Factor, factors};
-use crate::{cost, registry};
 
-/// A change of a level of a factor: the change, the factor and the level; the error is measured or
-/// follows from the level itself.
+/// A change of a level of a factor: the change, the factor and the level.
 static CHANGES: [(Change, &str, &str); 3] = [
     (Change::Mixed, "precision", "mixed"),
     (Change::OnePoint, "kernel", "hex8-one-point"),
     (Change::FlatDamping, "damping", "flat"),
 ];
-/// The relative L2 error of histories of a cube under an SV wave stays below this (tests of trades).
-const MIXED_ERROR: f64 = 1.0e-4;
-/// The same of the worst history, an acceleration, of `data/scenes/cavern_small.toml` against bricks of
-/// 2x2x2 points, as `powerhouse trade data/scenes/cavern_small.toml` prints it.
-const ONE_POINT_ERROR: f64 = 7.1e-2;
+
+/// The files of a scene that can be read again: as it stands and changed.
+pub(super) struct Files {
+    pub(super) own: SceneFile,
+    /// The same in double precision.
+    pub(super) double: SceneFile,
+    pub(super) variants: Vec<Variant>,
+}
 
 /// A scene with one change.
 pub(super) struct Variant {
     change: Change,
-    text: String,
-    path: PathBuf,
-    duration: f64,
-    threads: Option<usize>,
+    file: SceneFile,
 }
 
-impl Variant {
-    /// The changes that a scene's file allows; none of a scene that has no file, or that is a case.
-    pub(super) fn all(scene: &Scene) -> Vec<Self> {
+impl Files {
+    /// Those of a scene; none of a scene that has no file, or that is a case.
+    pub(super) fn of(scene: &Scene) -> Option<Self> {
         let (Some(source), None) = (scene.source(), scene.case()) else {
-            return Vec::new();
+            return None;
         };
-        let Ok(mut file) = source.text.parse::<Table>() else {
-            return Vec::new();
-        };
-        file.remove("case");
-        let factors = factors(scene, &file);
-        let allowed = CHANGES.iter().filter_map(|(change, factor, level)| {
-            let factor = factors.iter().find(|other| other.name == *factor)?;
-            let text = with_level(&file, factor, level)?;
-            Some(Self {
-                change: change.clone(),
-                text,
+        let mut table = source.text.parse::<Table>().ok()?;
+        table.remove("case");
+        let file = |table: &Table| {
+            Some(SceneFile {
+                text: toml::to_string(table).ok()?,
                 path: source.path.clone(),
                 duration: scene.run_duration(),
                 threads: scene.thread_count(),
             })
-        });
-        allowed.collect()
-    }
-
-    /// What the change saves of so many steps of the scene as it stands; nothing if the changed scene
-    /// cannot be run.
-    pub(super) fn saving(self, own: &mut Simulation, steps: u64) -> Option<Saving> {
-        let scene = Scene::from_toml(self.text, self.path, &registry()).ok()?;
-        let scene = scene.duration(self.duration);
-        let scene = match self.threads {
-            Some(threads) => scene.threads(threads),
-            None => scene,
         };
-        let deviation = deviation(&scene);
+        let factors = factors(scene, &table);
+        let variants = CHANGES.iter().filter_map(|(change, factor, level)| {
+            let factor = factors.iter().find(|other| other.name == *factor)?;
+            let changed = with_level(&table, factor, level)?;
+            Some(Variant {
+                change: change.clone(),
+                file: file(&changed)?,
+            })
+        });
+        let variants = variants.collect();
+        let own = file(&table)?;
+        table.remove("precision");
+        Some(Self {
+            own,
+            double: file(&table)?,
+            variants,
+        })
+    }
+}
+
+impl Variant {
+    /// What the change saves of the scene as it stands, of which a run has so many steps; nothing if the
+    /// changed scene cannot be run, or either run has too few steps to be timed.
+    pub(super) fn saving(
+        self,
+        (own, steps): (&mut Clock, u64),
+        of_step: core::time::Duration,
+        window: &Window,
+    ) -> Option<Saving> {
+        let duration = self.file.duration;
+        let scene = self.file.scene(duration)?;
+        let (deviation, still) = (deviation(&scene), scene.stages().is_empty());
+        let nonlinear = scene.parts().iter().any(|part| !part.material.is_linear());
         let mut simulation = scene.prepare().ok()?;
         let step = simulation.step().ok()?;
-        let steps = ((self.duration / step).ceil() + 1.0) / steps as f64;
-        let of_step = cost::ratio_of_steps(&mut simulation, own).ok()?;
+        let steps = ((duration / step).ceil() + 1.0) / steps as f64;
+        let mut clock = Clock::of(&mut simulation).ok()?;
+        let ratio = clock.ratio_to(own, of_step).ok()??;
         let error = match self.change {
-            Change::Mixed => PredictedError {
-                share: MIXED_ERROR,
-                of: "histories, at most",
-                source: "the trade of a cube under an SV wave",
+            Change::FlatDamping => PredictedError {
+                share: Some(deviation),
+                of: "the damping ratio within its band".into(),
+                source: "computed from the spectrum of its mechanisms".into(),
             },
-            Change::OnePoint => PredictedError {
-                share: ONE_POINT_ERROR,
-                of: "the worst history, against bricks of 2x2x2 points",
-                source: "`powerhouse trade data/scenes/cavern_small.toml`",
-            },
-            _ => PredictedError {
-                share: deviation,
-                of: "the damping ratio within its band",
-                source: "the spectrum of its mechanisms",
-            },
+            ref change => {
+                let growth = match change {
+                    Change::Mixed => Growth::OfRounding,
+                    _ => Growth::Unknown,
+                };
+                match window.error_of(&self.file, growth) {
+                    Ok(error) => PredictedError::measured(&error),
+                    Err(reason) => PredictedError::unknown(reason),
+                }
+            }
         };
         Some(Saving {
             change: self.change,
             steps,
             elements: 1.0,
-            time: steps * of_step,
+            time: steps * ratio,
+            timed: match (still, nonlinear) {
+                (true, false) => "timed side by side",
+                (true, true) => "timed side by side before anything yields",
+                (false, _) => "timed side by side without the stages and before anything yields",
+            },
             error,
         })
     }
 }
 
 /// A scene's file with another level of a factor, if that is less accurate than its own.
-fn with_level(file: &Table, factor: &Factor, level: &str) -> Option<String> {
+fn with_level(file: &Table, factor: &Factor, level: &str) -> Option<Table> {
     let place = factor.levels.iter().position(|other| other.name == level)?;
     if place <= factor.own {
         return None;
     }
     let mut changed = file.clone();
     factor.levels[place].apply(&mut changed);
-    toml::to_string(&changed).ok()
+    Some(changed)
 }
 
 /// The largest deviation of flat damping from its ratio within its band, among all parts.

@@ -197,7 +197,7 @@ impl Bench<'_> {
 }
 
 /// A table of histories with its times in front.
-fn columns(table: &HistoryTable) -> Vec<TableColumn> {
+pub(crate) fn columns(table: &HistoryTable) -> Vec<TableColumn> {
     let mut columns = vec![TableColumn::new("time", "s", table.times.clone())];
     let others = table.columns.iter();
     columns.extend(others.map(|c| TableColumn::new(c.name.clone(), c.unit, c.values.clone())));

@@ -16,11 +16,11 @@ const WITHOUT_UNIT: &str = "1";
 
 /// How far a history is from its reference.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Misfit {
+pub(crate) struct Misfit {
     /// The relative L2 difference.
-    pub(super) error: f64,
+    pub(crate) error: f64,
     /// The history.
-    pub(super) name: String,
+    pub(crate) name: String,
 }
 
 /// The worst of the [misfits] of all histories but some, which still say what is large.
@@ -51,7 +51,7 @@ pub(super) fn history_of(column: &TableColumn) -> String {
 /// The relative L2 differences of all histories from their reference; the components of one motion or one
 /// variable at one place count together. Of a unit of which the reference has nothing but zero there is no
 /// relative error. The first column of both tables is time; what the reference lacks is passed over.
-pub(super) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<Misfit> {
+pub(crate) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<Misfit> {
     let mut groups: Vec<Group> = Vec::new();
     let ([time, columns @ ..], [other, others @ ..]) = (reference, found) else {
         return vec![Misfit {

@@ -66,9 +66,11 @@ use crate::mark::{Mark, inputs};
 use crate::price::price_front;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
+pub(crate) use case::columns;
 use case::{Bench, Bodies, Finished};
 pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
+pub(crate) use misfit::misfits;
 use finer_mesh::{OF_HALF_THE_SIZE, REFINED};
 use plan::{Design, Outlook};
 use quantity::Compared;
@@ -429,7 +431,7 @@ impl Trade {
             .duration(self.window);
         let mut simulation = finest.prepare()?;
         let steps = self.window / simulation.step()?;
-        let of_one = cost::time_of_step(&mut simulation)?.mul_f64(steps);
+        let of_one = cost::Clock::of(&mut simulation)?.time_of_step()?.mul_f64(steps);
         let (all, refined) = match self.mesh_error {
             true => (runs + 1, of_one * OF_HALF_THE_SIZE.0 * OF_HALF_THE_SIZE.1),
             false => (runs, Duration::ZERO),
