@@ -169,7 +169,7 @@ impl Case {
                 let size = Vec3::new(40.0, 40.0, 40.0);
                 let cells = [cells, cells / 2, cells / 2];
                 mesh = Mesh::box_of_hexes(Vec3::zeros(), size, cells, "rock").unwrap();
-                let (low, high) = (Vec3::new(18.0, 0.0, 20.0), Vec3::new(22.0, 40.0, 40.0));
+                let (low, high) = (Vec3::new(15.0, 7.0, 15.0), Vec3::new(25.0, 33.0, 40.0));
                 structure = mesh.elements_in_box(&low, &high);
                 faces = "[\"left\", \"right\", \"front\", \"back\", \"bottom\"]";
                 at = [20.0, 20.0, 40.0];
