@@ -7,7 +7,8 @@ use powerhouse_explicit_core::{
 };
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Mesh, Stress, Vec3,
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Mesh,
+    RemainingStiffness, Stress, Vec3,
 };
 
 /// A law that does not tell where it is elastic, so that it is asked everywhere.
@@ -29,6 +30,14 @@ impl<M: ConstitutiveLaw> ConstitutiveLaw for Asked<M> {
     }
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         self.0.energy(input, new_history)
+    }
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new_history: &[L],
+        change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        self.0.remaining_stiffness(input, new_history, change)
     }
 }
 

@@ -137,6 +137,7 @@ fn what_the_end_needs_is_tried_first() {
             .replace("duration = 0.3", "duration = 3e7")
             .replace("every = 0.01", "every = 1e3")
             .replace("every = 0.1", "every = 1e-5")
+            .replace("title", "allow = [\"magnitudes\"]\ntitle")
     });
     refused(&large, "GB are free");
     for block in [block, large] {
@@ -171,6 +172,7 @@ fn warnings_and_files_are_in_summary_and_report() {
         text.replace('&', "&amp;")
             .replace('<', "&lt;")
             .replace('>', "&gt;")
+            .replace('"', "&quot;")
     };
     for warning in warned {
         let quoted = warning.replace('\\', "\\\\").replace('"', "\\\"");

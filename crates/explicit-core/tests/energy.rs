@@ -269,7 +269,7 @@ fn motions_below_single_precision_are_no_fault() {
     let report = |precision: Precision| {
         let mut model = Model::builder(&mesh)
             .elements("rock", rock().precision(precision).boxed())
-            .gravity(Vec3::new(0.3, 0.2, -1.0) * 1e-39, Box::new(|_: f64| 1.0))
+            .gravity(Vec3::new(0.3, 0.2, -1.0) * 2e-40, Box::new(|_: f64| 1.0))
             .support(Support::fixed(mesh.node_set("z0").unwrap().to_vec()))
             .build()
             .unwrap();

@@ -7,7 +7,7 @@ use powerhouse_model::{
 
 use crate::energy;
 use crate::history::{self, PLASTIC_STRAINS, number};
-use crate::remaining::{self, strain_at_yield};
+use crate::remaining;
 use crate::surface::{Flow, YieldSurface};
 use crate::{ElasticInSeries, tangent};
 
@@ -59,7 +59,6 @@ pub struct ElastoPlastic<S> {
     surface: S,
     lambda: f64,
     shear: f64,
-    strain_at_yield: f64,
 }
 
 impl<S: YieldSurface> ElastoPlastic<S> {
@@ -67,7 +66,6 @@ impl<S: YieldSurface> ElastoPlastic<S> {
     pub fn new(surface: S) -> Self {
         let medium = surface.medium();
         Self {
-            strain_at_yield: strain_at_yield(surface.uniaxial_compression(), &medium),
             surface,
             lambda: medium.lambda(),
             shear: medium.shear(),
@@ -131,7 +129,7 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, None, self.strain_at_yield)
+        remaining::of_flow(input, new_history, None)
     }
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let elastic = energy::difference(&input.strain.0, input.history);

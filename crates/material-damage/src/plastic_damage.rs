@@ -9,7 +9,7 @@ use crate::crack_band::{self, CRACK_BAND_WIDTH, CRUSHING_BAND_WIDTH};
 use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history::{self, PLASTIC_STRAINS, number};
-use crate::remaining::{self, strain_at_yield};
+use crate::remaining;
 use crate::softening::{DamageCurve, check_size};
 use crate::surface::{FlowInAxes, YieldSurface, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, tangent};
@@ -114,7 +114,6 @@ pub struct PlasticDamage<S> {
     compression: DamageCurve,
     lambda: f64,
     shear: f64,
-    strain_at_yield: f64,
 }
 
 impl<S: YieldSurface> PlasticDamage<S> {
@@ -142,7 +141,6 @@ impl<S: YieldSurface> PlasticDamage<S> {
             compression: DamageCurve::new(*compression, pressed, medium.young, closing)?,
             lambda: medium.lambda(),
             shear: medium.shear(),
-            strain_at_yield: strain_at_yield(pressed, &medium),
             parameters,
         })
     }
@@ -197,7 +195,6 @@ impl<S: YieldSurface> ElasticInSeries for PlasticDamage<S> {
         law.compression = self.compression.with_stiffness(factor);
         law.lambda *= factor;
         law.shear *= factor;
-        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]
@@ -339,7 +336,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, Some(DAMAGE), self.strain_at_yield)
+        remaining::of_flow(input, new_history, Some(DAMAGE))
     }
     /// The consistent one, with the widths of bands as they are; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

@@ -10,7 +10,7 @@ use crate::dual::Dual;
 use crate::energy;
 use crate::exponential::decay;
 use crate::history::{self, PLASTIC_STRAINS, number};
-use crate::remaining::{self, strain_at_yield};
+use crate::remaining;
 use crate::root::{Function, zero_between};
 use crate::softening::check_size;
 use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
@@ -123,7 +123,6 @@ pub struct SofteningPlasticity<S> {
     rate: Rate,
     lambda: f64,
     shear: f64,
-    strain_at_yield: f64,
 }
 
 /// Where `b` comes from.
@@ -170,7 +169,6 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
             rate,
             lambda: medium.lambda(),
             shear: medium.shear(),
-            strain_at_yield: strain_at_yield(surface.uniaxial_compression(), &medium),
             parameters,
         })
     }
@@ -351,7 +349,7 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, None, self.strain_at_yield)
+        remaining::of_flow(input, new_history, None)
     }
     /// The consistent one, with the width of the band as it is; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
@@ -405,7 +403,6 @@ impl<S: YieldSurface> ElasticInSeries for SofteningPlasticity<S> {
         }
         law.lambda *= factor;
         law.shear *= factor;
-        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]

@@ -99,9 +99,10 @@ pub struct RemainingStiffness<L> {
     /// The share that damage leaves, `1 - D`. With it, and with the elastic share of the step's strain,
     /// acts stiffness damping.
     pub undamaged: L,
-    /// The share that the whole path so far leaves, stress over strain: damage and the plastic strain
-    /// reached lower it. With it acts the hourglass stiffness of elements that have fewer points than
-    /// modes.
+    /// The share with which the hourglass stiffness acts of elements that have fewer points than modes: that
+    /// of damage, or stress over strain of a law that does not say otherwise. Laws of plastic flow keep
+    /// all of it: hourglass forces grow with the whole displacement, and a stiffness that falls as a point
+    /// flows softens the element, so that a static equilibrium is no longer unique.
     pub of_path: L,
     /// The increment of plastic strain in the step, engineering shears.
     pub flowed: [L; 6],

@@ -301,7 +301,8 @@ impl Remark {
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointAnew { .. } => Topic::Joints,
-            Self::NoState { .. } | Self::Doubt(SceneDoubt::ShortInterval { .. }) => {
+            Self::NoState { .. }
+            | Self::Doubt(SceneDoubt::ShortInterval { .. } | SceneDoubt::LongInterval { .. }) => {
                 Topic::Histories
             }
             Self::Doubt(SceneDoubt::HeldField { .. } | SceneDoubt::AbsorbingSurface { .. }) => {

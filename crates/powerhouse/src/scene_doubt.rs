@@ -38,6 +38,15 @@ pub enum SceneDoubt {
         /// The time step (s).
         step: f64,
     },
+    /// An interval of output longer than the run.
+    LongInterval {
+        /// What is recorded at the interval.
+        what: &'static str,
+        /// The interval (s).
+        interval: f64,
+        /// The run's duration (s).
+        duration: f64,
+    },
     /// More threads than the machine has.
     Threads {
         /// As the scene says.
@@ -97,6 +106,14 @@ impl fmt::Display for SceneDoubt {
             } => write!(
                 f,
                 "{what} are asked for every {interval} s, which is less than the step of {step:.3e} s: they are recorded at every step"
+            ),
+            Self::LongInterval {
+                what,
+                interval,
+                duration,
+            } => write!(
+                f,
+                "{what} are asked for every {interval} s, which is longer than the run of {duration} s: nothing between its start and its end is recorded"
             ),
             Self::Threads { wanted, available } => write!(
                 f,

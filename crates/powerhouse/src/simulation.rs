@@ -179,7 +179,7 @@ impl Simulation {
         Ok(step)
     }
 
-    /// Remarks on intervals of output that are shorter than the step, once.
+    /// Remarks on intervals of output that are shorter than the step or longer than the run, once.
     fn check_intervals(&mut self, step: f64) {
         let histories = !self.plan.histories.is_empty() || !self.plan.cuts.is_empty();
         let intervals = [
@@ -198,23 +198,33 @@ impl Simulation {
                 "energies" => interval >= 0.999 * LOOKS_SHARE * self.duration,
                 _ => interval == own,
             };
-            let short = interval.filter(|interval| *interval < step);
-            let Some(interval) = short.filter(|interval| !by_default(*interval)) else {
-                continue;
+            let asked = interval.filter(|interval| !by_default(*interval));
+            let doubt = match asked {
+                Some(interval) if interval < step => SceneDoubt::ShortInterval {
+                    what,
+                    interval,
+                    step,
+                },
+                Some(interval) if interval > self.duration => SceneDoubt::LongInterval {
+                    what,
+                    interval,
+                    duration: self.duration,
+                },
+                _ => continue,
             };
             let is_said = |remark: &Remark| {
                 let doubt = match remark {
                     Remark::Doubt(doubt) => doubt,
                     _ => return false,
                 };
-                matches!(doubt, SceneDoubt::ShortInterval { what: said, .. } if *said == what)
+                matches!(
+                    doubt,
+                    SceneDoubt::ShortInterval { what: said, .. }
+                        | SceneDoubt::LongInterval { what: said, .. } if *said == what
+                )
             };
             if !self.remarks.iter().any(is_said) {
-                self.remarks.push(Remark::Doubt(SceneDoubt::ShortInterval {
-                    what,
-                    interval,
-                    step,
-                }));
+                self.remarks.push(Remark::Doubt(doubt));
             }
         }
     }

@@ -98,7 +98,11 @@ fn halves_and_whole_steps_save_what_is_predicted() {
     assert_eq!(found[1] / elements, half.elements);
     assert!((found[0] / steps - half.steps).abs() < 0.02);
     assert_eq!(half.time, half.elements);
-    assert!(savings.iter().all(|saving| saving.error.share.is_none_or(|share| share > 0.0)));
+    assert!(
+        savings
+            .iter()
+            .all(|saving| saving.error.share.is_none_or(|share| share > 0.0))
+    );
 }
 
 /// Neither half nor slice is named where waves or parts have no mirror image, or a face absorbs along it.
@@ -263,7 +267,10 @@ fn changes_of_a_file_save_what_is_predicted() {
     ))[0];
     let found = found / counts(rayleigh())[0];
     assert!((found / flat.steps - 1.0).abs() < 0.01, "{found} {flat:?}");
-    assert!(flat.steps < 0.9 && flat.error.share.unwrap() < 0.2, "{flat:?}");
+    assert!(
+        flat.steps < 0.9 && flat.error.share.unwrap() < 0.2,
+        "{flat:?}"
+    );
 }
 
 /// Stages that are gone through while they are timed cost what they took, in corrections too; memory is

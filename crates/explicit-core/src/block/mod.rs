@@ -137,11 +137,7 @@ where
         if const { size_of::<A>() < size_of::<S>() } {
             // Nodes in fewer digits than elements: few blocks, whose forces are rounded once they are summed.
             let mut sums = vec![Quad::default(); out.len()];
-            let velocity = if moves {
-                doubled(velocity)
-            } else {
-                Vec::new()
-            };
+            let velocity = if moves { doubled(velocity) } else { Vec::new() };
             let finite = self.write_forces::<f64>(
                 displacement,
                 &velocity,

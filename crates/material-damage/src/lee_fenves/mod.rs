@@ -16,7 +16,7 @@ use crate::plastic_damage::{
     COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY,
     TENSION, YIELD_STATE, share_of_tension, weaken,
 };
-use crate::remaining::{self, strain_at_yield};
+use crate::remaining;
 use crate::softening::check_size;
 use crate::surface::{YieldState, stiffened};
 use crate::uniaxial::UniaxialCurve;
@@ -119,7 +119,6 @@ pub struct LeeFenves {
     swelling: f64,
     lambda: f64,
     shear: f64,
-    strain_at_yield: f64,
 }
 
 impl LeeFenves {
@@ -185,7 +184,6 @@ impl LeeFenves {
             swelling: 3.0 * medium.bulk() / medium.shear() * flow,
             lambda: medium.lambda(),
             shear: medium.shear(),
-            strain_at_yield: strain_at_yield(p.compression_strength, &medium),
             parameters,
         })
     }
@@ -298,7 +296,6 @@ impl ElasticInSeries for LeeFenves {
         law.compression = self.compression.with_stiffness(factor);
         law.lambda *= factor;
         law.shear *= factor;
-        law.strain_at_yield /= factor;
         law
     }
     #[inline(always)]
@@ -462,7 +459,7 @@ impl ConstitutiveLaw for LeeFenves {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, Some(DAMAGE), self.strain_at_yield)
+        remaining::of_flow(input, new_history, Some(DAMAGE))
     }
     /// The consistent one, with the widths of bands as they are; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

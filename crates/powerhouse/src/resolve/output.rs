@@ -26,17 +26,6 @@ pub(super) fn plan(
     duration: f64,
 ) -> Result<OutputPlan, Fault> {
     let mut plan = OutputPlan::default();
-    let envelope = output.envelope.as_ref().and_then(|e| e.every.as_ref());
-    let snapshots = output.snapshots.as_ref().map(|snapshots| &snapshots.every);
-    let intervals = [
-        output.every.as_ref(),
-        output.energies.as_ref(),
-        envelope,
-        snapshots,
-    ];
-    for interval in intervals.into_iter().flatten() {
-        check_interval(interval, duration)?;
-    }
     if let Some(every) = &output.every {
         plan.every = every.get();
     }
@@ -126,19 +115,6 @@ pub(super) fn plan(
         });
     }
     Ok(plan)
-}
-
-/// An interval that is no longer than the run.
-fn check_interval(interval: &At<Positive>, duration: f64) -> Result<(), Fault> {
-    if interval.get() <= duration {
-        return Ok(());
-    }
-    let found = format!("{} s", interval.get());
-    let expected = format!("no more than the duration of the run, {duration} s");
-    Err(Fault::new(
-        interval.span(),
-        Problem::Value { found, expected },
-    ))
 }
 
 /// What is recorded where nothing is said.

@@ -321,16 +321,6 @@ fn what_is_of_no_use_is_refused() {
             "the diagonal of the body",
         ),
         (
-            "every = 0.01",
-            "every = 0.7".into(),
-            "the duration of the run, 0.6 s",
-        ),
-        (
-            "every = 0.01",
-            "energies = 1e4".into(),
-            "the duration of the run, 0.6 s",
-        ),
-        (
             "kernel = \"hex8-full\"",
             "damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [10, 1] }".into(),
             "the lower frequency first",
@@ -576,10 +566,11 @@ fn an_absorbing_surface_is_warned_of() {
     assert_eq!(found("[ground]\nspace = \"full-space\"\n[boundary]"), []);
 }
 
-/// An interval of output that is shorter than the step becomes the step, and is warned of once.
+/// An interval of output that is shorter than the step becomes the step, and one that is longer than the run
+/// records nothing on the way: either is warned of once.
 #[test]
-fn short_intervals_are_warned_of() {
-    let variants = Variants::new("short-intervals");
+fn intervals_that_do_not_fit_the_run_are_warned_of() {
+    let variants = Variants::new("intervals");
     let mut simulation = variants
         .read("every = 0.01", "every = 1e-5")
         .unwrap()
@@ -601,6 +592,19 @@ fn short_intervals_are_warned_of() {
         .unwrap();
     simulation.step().unwrap();
     assert_eq!(doubts(simulation.remarks()), []);
+    let mut simulation = variants
+        .read("every = 0.01", "energies = 0.7")
+        .unwrap()
+        .prepare()
+        .unwrap();
+    simulation.step().unwrap();
+    simulation.step().unwrap();
+    let expected = SceneDoubt::LongInterval {
+        what: "energies",
+        interval: 0.7,
+        duration: 0.6,
+    };
+    assert_eq!(doubts(simulation.remarks()), [expected]);
 }
 
 /// More threads than the machine has are cut to what it has, and that is said; the run does not hang.

@@ -70,8 +70,8 @@ pub(crate) use case::columns;
 use case::{Bench, Bodies, Finished};
 pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
-pub(crate) use misfit::misfits;
 use finer_mesh::{OF_HALF_THE_SIZE, REFINED};
+pub(crate) use misfit::misfits;
 use plan::{Design, Outlook};
 use quantity::Compared;
 pub use quantity::Quantity;
@@ -431,7 +431,9 @@ impl Trade {
             .duration(self.window);
         let mut simulation = finest.prepare()?;
         let steps = self.window / simulation.step()?;
-        let of_one = cost::Clock::of(&mut simulation)?.time_of_step()?.mul_f64(steps);
+        let of_one = cost::Clock::of(&mut simulation)?
+            .time_of_step()?
+            .mul_f64(steps);
         let (all, refined) = match self.mesh_error {
             true => (runs + 1, of_one * OF_HALF_THE_SIZE.0 * OF_HALF_THE_SIZE.1),
             false => (runs, Duration::ZERO),
