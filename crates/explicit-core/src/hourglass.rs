@@ -23,7 +23,10 @@ pub struct HourglassShare {
 impl HourglassShare {
     /// Above this share displacements and stresses of a set are the hourglass resistance's as much as
     /// the material's.
-    pub const LIMIT: f64 = 0.02;
+    ///
+    /// Around a hole in associated rock of 42 degrees, meshed to twenty radii, the wall closes to less than half
+    /// where the share of the whole ring is 1.5 %: far elements hold most of the work.
+    pub const LIMIT: f64 = 0.01;
 
     /// The one over the other.
     pub fn share(&self) -> f64 {

@@ -359,10 +359,11 @@ impl ConstitutiveLaw for Mazars {
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
         let zero = new_history[DAMAGE].constant(0.0);
-        let undamaged = zero.constant(1.0) - new_history[DAMAGE];
+        let one = zero.constant(1.0);
+        let [torn, broken] = [DAMAGE_TENSION, DAMAGE_COMPRESSION].map(|place| new_history[place]);
         RemainingStiffness {
-            undamaged,
-            of_path: undamaged,
+            undamaged: one - new_history[DAMAGE],
+            of_path: (one - torn) * (one - broken),
             flowed: [zero; 6],
         }
     }

@@ -9,7 +9,7 @@ use crate::crack_band::{self, CRACK_BAND_WIDTH, CRUSHING_BAND_WIDTH};
 use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history::{self, PLASTIC_STRAINS, number};
-use crate::remaining;
+use crate::remaining::{self, DamagePlaces};
 use crate::softening::{DamageCurve, check_size};
 use crate::surface::{FlowInAxes, YieldSurface, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, tangent};
@@ -41,6 +41,10 @@ const DAMAGE_TYPE: usize = 11;
 pub(crate) const YIELD_STATE: usize = 12;
 pub(crate) const CRACK_WIDTH: usize = 13;
 pub(crate) const CRUSHING_WIDTH: usize = 14;
+pub(crate) const DAMAGE_PLACES: DamagePlaces = DamagePlaces {
+    whole: DAMAGE,
+    parts: [DAMAGE_TENSION, DAMAGE_COMPRESSION],
+};
 pub(crate) const HISTORY: [HistoryVariable; 15] = {
     let [xx, yy, zz, xy, yz, zx] = PLASTIC_STRAINS;
     [
@@ -336,7 +340,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, Some(DAMAGE))
+        remaining::of_flow(input, new_history, Some(DAMAGE_PLACES))
     }
     /// The consistent one, with the widths of bands as they are; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

@@ -2,22 +2,33 @@
 
 use powerhouse_model::{Lane, LawInput, RemainingStiffness, array};
 
-/// What is left after a step of plastic flow, whose strain begins the history, with the damage at a
-/// place of it, if there is any: `1 - D`, whatever plastic strain was reached.
+/// Places of the damage of a law in its history.
+#[derive(Clone, Copy)]
+pub(crate) struct DamagePlaces {
+    /// Of `D`, which falls where cracks close.
+    pub(crate) whole: usize,
+    /// Of the damage in tension and in compression, neither of which ever falls.
+    pub(crate) parts: [usize; 2],
+}
+
+/// What is left after a step of plastic flow, whose strain begins the history: `1 - D` of stiffness damping
+/// and `(1 - d_t)(1 - d_c)` of hourglass stiffness, whatever plastic strain was reached. Hourglass stiffness
+/// does not come back where cracks close: a spring that stiffens under load would make energy.
 #[inline(always)]
 pub(crate) fn of_flow<L: Lane>(
     input: &LawInput<L>,
     new_history: &[L],
-    damage: Option<usize>,
+    damage: Option<DamagePlaces>,
 ) -> RemainingStiffness<L> {
     let one = new_history[0].constant(1.0);
-    let undamaged = match damage {
-        Some(place) => one - new_history[place],
-        None => one,
-    };
+    let (mut undamaged, mut of_path) = (one, one);
+    if let Some(DamagePlaces { whole, parts }) = damage {
+        undamaged = one - new_history[whole];
+        of_path = (one - new_history[parts[0]]) * (one - new_history[parts[1]]);
+    }
     RemainingStiffness {
         undamaged,
-        of_path: undamaged,
+        of_path,
         flowed: array(|i| new_history[i] - input.history[i]),
     }
 }

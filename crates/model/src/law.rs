@@ -99,10 +99,10 @@ pub struct RemainingStiffness<L> {
     /// The share that damage leaves, `1 - D`. With it, and with the elastic share of the step's strain,
     /// acts stiffness damping.
     pub undamaged: L,
-    /// The share with which the hourglass stiffness acts of elements that have fewer points than modes: that
-    /// of damage, or stress over strain of a law that does not say otherwise. Laws of plastic flow keep
-    /// all of it: hourglass forces grow with the whole displacement, and a stiffness that falls as a point
-    /// flows softens the element, so that a static equilibrium is no longer unique.
+    /// The share with which the hourglass stiffness acts of elements that have fewer points than modes: what
+    /// damage leaves. It must never rise, or hourglass resistance makes energy. Plastic flow leaves all of it: hourglass forces grow with the whole displacement, and
+    /// a stiffness that falls as a point flows softens the element, so that static solutions do not
+    /// converge, or to different states.
     pub of_path: L,
     /// The increment of plastic strain in the step, engineering shears.
     pub flowed: [L; 6],
@@ -243,8 +243,9 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     /// the elastic stiffness. Engines scale with it what they add to the law's stress: stiffness damping
     /// and hourglass stiffness.
     ///
-    /// By default what the change of stress works on the strain over what that of the undamaged medium
-    /// would, between 0 and 1, and no plastic strain.
+    /// By default stiffness damping has what the change of stress works on the strain over what that of the
+    /// undamaged medium would, between 0 and 1, hourglass stiffness stays whole, and there is no plastic
+    /// strain.
     #[inline(always)]
     fn remaining_stiffness<L: Lane>(
         &self,
@@ -263,7 +264,7 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
         let share = share.min(one).max(zero).select(some, one);
         RemainingStiffness {
             undamaged: share,
-            of_path: share,
+            of_path: one,
             flowed: [zero; 6],
         }
     }

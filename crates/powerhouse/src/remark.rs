@@ -560,7 +560,7 @@ impl fmt::Display for Remark {
                 };
                 write!(
                     f,
-                    "{whence}hourglass resistance takes {:.1} % of the internal work of set '{set}', more than 2 %: displacements and stresses there are its own in part; elements with the kernel \"hex8-full\" or \"hex8-b-bar\", or smaller ones, have less or none of it",
+                    "{whence}hourglass resistance takes {:.1} % of the internal work of set '{set}', more than 1 %: displacements and stresses there are its own in part; elements with the kernel \"hex8-full\" or \"hex8-b-bar\", or smaller ones, have less or none of it",
                     100.0 * share
                 )
             }

@@ -195,7 +195,10 @@ impl Simulation {
             // Nobody asks for an interval by leaving it as it is by default.
             let own = OutputPlan::default().every;
             let by_default = |interval: f64| match what {
-                "energies" => interval >= 0.999 * LOOKS_SHARE * self.duration,
+                "energies" => {
+                    let own = LOOKS_SHARE * self.duration;
+                    (0.999 * own..=self.duration).contains(&interval)
+                }
                 _ => interval == own,
             };
             let asked = interval.filter(|interval| !by_default(*interval));

@@ -13,8 +13,8 @@ use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history;
 use crate::plastic_damage::{
-    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_TENSION, HISTORY,
-    TENSION, YIELD_STATE, share_of_tension, weaken,
+    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_PLACES,
+    DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE, share_of_tension, weaken,
 };
 use crate::remaining;
 use crate::softening::check_size;
@@ -459,7 +459,7 @@ impl ConstitutiveLaw for LeeFenves {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, Some(DAMAGE))
+        remaining::of_flow(input, new_history, Some(DAMAGE_PLACES))
     }
     /// The consistent one, with the widths of bands as they are; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

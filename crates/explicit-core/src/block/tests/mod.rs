@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use powerhouse_model::{
     BlockContext, ConstitutiveLaw, ElasticMedium, ElementBlock, ElementFault, ElementKind,
     HistoryVariable, Lane, LawInput, Mat3, Mesh, NodalScalar, NodalView, NodalViewMut, Numbering,
-    Operator, Quad, Strain, Stress, Vec3,
+    Operator, Quad, RemainingStiffness, Strain, Stress, Vec3,
 };
 
 use crate::{
@@ -76,6 +76,22 @@ impl ConstitutiveLaw for Softening {
             &input.strain,
         );
         elastic * kept
+    }
+    /// What is lost is damage.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        let any = input.strain.0[0];
+        let kept = any.constant(1e-3) / (new[0] + any.constant(1e-3));
+        RemainingStiffness {
+            undamaged: kept,
+            of_path: kept,
+            flowed: [any.constant(0.0); 6],
+        }
     }
 }
 
