@@ -68,8 +68,8 @@ pub enum EngineError {
         element: u64,
         /// The set.
         set: String,
-        /// `greatest` or `least`: of the widths in all directions.
-        extent: &'static str,
+        /// Along which of its extents.
+        extent: ElementExtent,
         /// The element's width along it (m).
         size: f64,
         /// What the law says, with the widths that it permits.
@@ -262,5 +262,23 @@ impl From<EngineError> for ModelError {
             EngineError::Mesh(source) => Self::Mesh(source),
             other => Self::refused("model", other),
         }
+    }
+}
+
+/// The direction in which an element is widest or narrowest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementExtent {
+    /// The widest one.
+    Greatest,
+    /// The narrowest one.
+    Least,
+}
+
+impl core::fmt::Display for ElementExtent {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Greatest => "greatest",
+            Self::Least => "least",
+        })
     }
 }

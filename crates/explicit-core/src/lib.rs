@@ -144,7 +144,7 @@ mod view;
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
 pub use block::solid;
 pub use bolts::{BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSegment, BoltSet, Grout};
-pub use error::EngineError;
+pub use error::{ElementExtent, EngineError};
 pub use hourglass::HourglassShare;
 pub use integrator::{Leapfrog, OneSided};
 pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};

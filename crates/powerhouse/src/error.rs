@@ -96,7 +96,7 @@ pub enum Error {
     #[error("{magnitude}")]
     Magnitude {
         /// The quantity.
-        magnitude: Magnitude,
+        magnitude: Box<Magnitude>,
         /// What it belongs to.
         of: MagnitudeOf,
     },

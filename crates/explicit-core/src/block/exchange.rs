@@ -114,9 +114,7 @@ impl<S: BatchScalar> Exchange<S> {
         {
             remaining.undamaged = answered[0];
             remaining.of_path = answered[1];
-            for i in 0..6 {
-                remaining.flowed[i] = answered[2 + i];
-            }
+            remaining.flowed.copy_from_slice(&answered[2..8]);
         }
         remaining
     }

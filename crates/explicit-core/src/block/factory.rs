@@ -19,7 +19,7 @@ use super::operations::Moduli;
 use super::stepping::Stepping;
 use super::transfer::{BlockNodes, Locals, NodeScalar};
 use crate::lanes::Lanes;
-use crate::{BlockFactory, BlockOptions, BlockPart, EngineError, Precision};
+use crate::{BlockFactory, BlockOptions, BlockPart, ElementExtent, EngineError, Precision};
 
 /// A factory of solid blocks from any kernel and any law.
 ///
@@ -296,7 +296,10 @@ where
         extents: &Extents<f64>,
     ) -> Result<(), EngineError> {
         let [greatest, _, least] = extents.principal();
-        for (extent, size) in [("greatest", greatest), ("least", least)] {
+        for (extent, size) in [
+            (ElementExtent::Greatest, greatest),
+            (ElementExtent::Least, least),
+        ] {
             law.accept_size(size)
                 .map_err(|error| EngineError::ElementSize {
                     element: part.mesh.element_tags()[element as usize],

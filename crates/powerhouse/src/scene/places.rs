@@ -106,7 +106,7 @@ impl Places {
             return error;
         };
         if let Error::Magnitude { magnitude, .. } = error {
-            let fault = Fault::of_magnitude(place, magnitude);
+            let fault = Fault::of_magnitude(place, *magnitude);
             return SceneFault::new(text.clone(), fault).into();
         }
         let at_rest = matches!(error, Error::NotAtRest { .. });

@@ -105,6 +105,7 @@ impl Scene {
     pub(super) fn check_magnitudes(&mut self) -> Result<(), Error> {
         for (magnitude, of) in self.unusual_magnitudes() {
             if !self.magnitudes_allowed {
+                let magnitude = Box::new(magnitude);
                 return Err(Error::Magnitude { magnitude, of });
             }
             self.remark_once(SceneDoubt::Magnitude(magnitude));

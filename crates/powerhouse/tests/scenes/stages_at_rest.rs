@@ -213,7 +213,10 @@ fn the_stress_of_the_ground_comes_from_a_table() {
 
 /// Keeps the stress of every element (Pa), with the height of its middle (m).
 #[derive(Clone, Default)]
-struct Stresses(Arc<std::sync::Mutex<Vec<(f64, [f64; 6])>>>);
+struct Stresses(Arc<std::sync::Mutex<Vec<StressAtHeight>>>);
+
+/// A height (m) and the stress there (Pa).
+type StressAtHeight = (f64, [f64; 6]);
 
 impl StageSink for Stresses {
     fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {

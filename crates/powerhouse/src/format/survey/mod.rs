@@ -127,15 +127,12 @@ fn check_repeats(entries: &[Spanned<DeValue>], (of, key): (&str, &str)) -> Resul
         let value = entry.get_ref();
         let before = entries[..place].iter().map(Spanned::get_ref);
         match value {
-            DeValue::String(text) => {
-                if before.into_iter().any(|other| same(other, value)) {
-                    let (list, entry_name) = (key.to_owned(), text.to_string());
-                    let problem = Problem::Repeated {
-                        list,
-                        entry: entry_name,
-                    };
-                    return Err(Fault::new(entry.span(), problem));
-                }
+            DeValue::String(text) if before.clone().any(|other| same(other, value)) => {
+                let problem = Problem::Repeated {
+                    list: key.to_owned(),
+                    entry: text.to_string(),
+                };
+                return Err(Fault::new(entry.span(), problem));
             }
             DeValue::Table(table) => {
                 let name = name_of(table);
