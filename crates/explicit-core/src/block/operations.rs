@@ -475,7 +475,7 @@ where
     }
 
     /// Asks the law for successive batches, whose strains are kept, for energies and for what is left of
-    /// the stiffness, all of it or that of the path alone; writes the new histories. Yields whether energies
+    /// the stiffness, all of it or that of the path alone; writes the new histories. Returns whether energies
     /// were wanted and told.
     #[inline(always)]
     fn ask<L: BatchLane<Scalar = S>>(

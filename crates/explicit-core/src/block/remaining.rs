@@ -4,11 +4,11 @@ use powerhouse_model::{ElementKernel, Geometry, RemainingStiffness, Strain, Stre
 
 use crate::lanes::BatchLane;
 
-/// The share of hourglass stiffness that stays whatever damage and flow leave: a mode without any would
+/// The share of hourglass stiffness that stays whatever damage leaves: a mode without any would
 /// grow until its neighbours stop it.
 pub(super) const LEAST_RESISTANCE: f64 = 0.01;
 
-/// The share of stiffness damping that acts at a point in a step (s): what damage leaves, of the strain
+/// The share of stiffness damping that acts at a point in a step of some length (s): what damage leaves, of the strain
 /// that is elastic. Without it a crack that opens fast would pull by the velocity of its sides, and flow
 /// overshoot its strength.
 #[inline(always)]
