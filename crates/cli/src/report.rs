@@ -6,7 +6,9 @@ use std::time::Duration;
 use crate::terminal::say;
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
-use powerhouse::{Error, Remark, Results, RunNotes, Simulation, StageAtRest, StageOverview, Topic};
+use powerhouse::{
+    Error, Remark, Results, RunNotes, Simulation, StageAtRest, StageOverview, Topic, together,
+};
 use powerhouse_study::{CheckReport, FreeFieldReport, PointError, StaticCost, Warning};
 
 pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> Result<(), Error> {
@@ -20,8 +22,8 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
     // Some remarks need the step.
     simulation.step()?;
     remarks(simulation.remarks());
-    for warning in warnings {
-        say!("warning: {warning}");
+    for warning in together(warnings.iter().map(Warning::doubt)) {
+        say!("warning: {}", warning.text);
     }
     let stable = simulation.stable_step()?;
     step(&stable, simulation.step()?);
@@ -29,9 +31,13 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
 }
 
 fn remarks<'r>(remarks: impl IntoIterator<Item = &'r Remark>) {
-    for remark in remarks {
-        let word = if remark.is_warning() { "warning: " } else { "" };
-        say!("{word}{remark}");
+    let (doubts, facts): (Vec<&Remark>, Vec<&Remark>) =
+        remarks.into_iter().partition(|remark| remark.is_warning());
+    for fact in together(facts.into_iter().map(Remark::doubt)) {
+        say!("{}", fact.text);
+    }
+    for doubt in together(doubts.into_iter().map(Remark::doubt)) {
+        say!("warning: {}", doubt.text);
     }
 }
 
@@ -169,12 +175,13 @@ pub(crate) fn check(report: &CheckReport) {
     for saving in &report.savings {
         say!("  {saving}");
     }
-    match report.warnings.len() {
+    let warnings = together(report.warnings.iter().map(Warning::doubt));
+    match warnings.len() {
         0 => say!("\nno warnings"),
         count => say!("\n{count} warning(s)"),
     }
-    for warning in &report.warnings {
-        say!("  {warning}");
+    for warning in warnings {
+        say!("  {}", warning.text);
     }
 }
 

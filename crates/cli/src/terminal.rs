@@ -60,7 +60,7 @@ pub(crate) fn settle(status: ExitCode, only_prints: bool) -> ExitCode {
             aside(format_args!(
                 "the standard output could not be written: {reason}"
             ));
-            match only_prints && status == ExitCode::SUCCESS {
+            match only_prints {
                 true => ExitCode::from(FAILED),
                 false => status,
             }

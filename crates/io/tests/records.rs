@@ -287,3 +287,41 @@ fn damaged_bytes_never_panic() {
         }
     }
 }
+
+/// A unit that names or comments above columns declare is held against the one of the caller: another is
+/// refused, the same or none is taken.
+#[test]
+fn units_above_columns_are_held_against_the_declared_one() {
+    use AccelerationUnit::{Gal, Gravity, MetrePerSecondSquared};
+    let rows = "0,1\n0.01,2\n0.02,1\n";
+    for (above, unit, line) in [
+        ("time [s],acceleration [g]", Gravity, 1),
+        ("t (s), a (m/s^2)", MetrePerSecondSquared, 1),
+        ("# a title\n# units: s, cm/s2 (from g)", Gal, 2),
+        ("# Acceleration in (g)\ntime,a", Gravity, 1),
+    ] {
+        let text = format!("{above}\n{rows}");
+        for declared in [Gal, Gravity, MetrePerSecondSquared] {
+            match in_unit(&text, declared) {
+                Ok(record) => {
+                    assert_eq!(declared, unit, "{above}");
+                    assert_eq!(record.samples[1], 2.0 * unit.factor(), "{above}");
+                }
+                Err(error) => {
+                    assert_ne!(declared, unit, "{above}: {error}");
+                    let (found, declared) = (unit.name(), declared.name());
+                    let expected = RecordFault::UnitConflict { found, declared };
+                    assert!(
+                        matches!(&error, RecordError::Content { line: at, fault, .. } if *at == line && *fault == expected),
+                        "{above}: {error}"
+                    );
+                }
+            }
+        }
+        let alone = parse(&text).unwrap();
+        assert_eq!(alone.samples[1], 2.0 * unit.factor(), "{above}");
+    }
+    // Words that only resemble a declaration declare nothing.
+    let text = format!("# United States, station G (component A)\n{rows}");
+    assert!(parse(&text).is_err());
+}

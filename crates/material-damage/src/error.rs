@@ -27,9 +27,15 @@ pub enum MaterialError {
         least: f64,
     },
     /// An element so wide that its elastic energy at the peak exceeds what the crack may take.
-    #[error("an element of {size} m snaps back: at most {largest} m dissipate the fracture energy")]
+    #[error(
+        "an element of {size:.4} m snaps back in {}: the fracture energy there suffices for widths up to {largest:.4} m, this one needs more than {:.3} times as much",
+        of.words(),
+        size / largest
+    )]
     SnapBack {
-        /// The width normal to the crack (m).
+        /// The softening at which it does.
+        of: SofteningOf,
+        /// The width normal to the crack or the band (m).
         size: f64,
         /// The largest permitted width (m).
         largest: f64,
@@ -60,6 +66,28 @@ pub enum MaterialError {
         /// What was asked (Pa).
         tolerance: f64,
     },
+}
+
+/// Which softening of a law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SofteningOf {
+    /// Cracking.
+    Tension,
+    /// Crushing.
+    Compression,
+    /// The loss of cohesion and friction along a shear band.
+    Shear,
+}
+
+impl SofteningOf {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Tension => "tension",
+            Self::Compression => "compression",
+            Self::Shear => "shear",
+        }
+    }
 }
 
 impl From<MaterialError> for ModelError {

@@ -90,7 +90,7 @@ pub use consistency::Finding;
 pub use driver::{Control, PointDriver, PointRecord};
 pub use drucker_prager::{ConeFit, DruckerPrager, DruckerPragerParameters};
 pub use elasto_plastic::ElastoPlastic;
-pub use error::MaterialError;
+pub use error::{MaterialError, SofteningOf};
 pub use flat_damping::{
     DampingBand, ElasticInSeries, FlatDamping, MOST_MECHANISMS, Mechanism, ReferenceFrequency,
     RelaxationSpectrum,

@@ -13,7 +13,7 @@ use crate::softening::{
     STEEPEST, check_size, damage_of, damage_of_falling_stress, inverse_rate_in_total_strain,
 };
 use crate::surface::stiffened;
-use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, SofteningOf, tangent};
 
 /// Softening in tension of a [`Mazars`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,7 +154,8 @@ impl Mazars {
     /// [`MaterialError::Hardening`] the product `B e0` of one too small.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
         let sizes = self.permitted_sizes();
-        check_size(size, sizes.map(|[_, largest]| largest))?;
+        let largest = sizes.map(|[_, largest]| largest);
+        check_size(size, &[(SofteningOf::Tension, largest)])?;
         match sizes {
             Some([least, _]) if size < least => Err(MaterialError::Hardening {
                 product: self.parameters.threshold / self.inverse_rate(size),

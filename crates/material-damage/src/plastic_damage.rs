@@ -12,7 +12,7 @@ use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::remaining::{self, DamagePlaces};
 use crate::softening::{DamageCurve, check_size};
 use crate::surface::{FlowInAxes, YieldSurface, strains_of_loss};
-use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, tangent};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, SofteningOf, tangent};
 
 /// What a [`PlasticDamage`] law is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -187,7 +187,11 @@ impl<S: YieldSurface> PlasticDamage<S> {
     /// # Errors
     /// [`MaterialError::SnapBack`] names the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
-        check_size(size, self.largest_size())
+        let limits = [
+            (SofteningOf::Tension, self.tension.largest_size()),
+            (SofteningOf::Compression, self.compression.largest_size()),
+        ];
+        check_size(size, &limits)
     }
 }
 

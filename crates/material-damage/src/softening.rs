@@ -2,17 +2,24 @@
 
 use powerhouse_model::{Lane, ParameterError};
 
-use crate::MaterialError;
 use crate::exponential::decay;
+use crate::{MaterialError, SofteningOf};
 
 /// The least inverse of a softening rate: what an element of a size that is not permitted gets.
 pub(crate) const STEEPEST: f64 = 1.0e-12;
 
-/// Refuses an element of a width (m) at which softening to the largest permitted one (m) snaps back.
-pub(crate) fn check_size(size: f64, largest: Option<f64>) -> Result<(), MaterialError> {
+/// Refuses an element of a width (m) at which one of some softenings snaps back; each comes with its
+/// largest permitted width (m), if it has one. The one that permits least is told.
+pub(crate) fn check_size(
+    size: f64,
+    largest: &[(SofteningOf, Option<f64>)],
+) -> Result<(), MaterialError> {
     ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
-    match largest {
-        Some(largest) if size >= largest => Err(MaterialError::SnapBack { size, largest }),
+    let limits = largest.iter().filter_map(|&(of, limit)| Some((of, limit?)));
+    match limits.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((of, largest)) if size >= largest => {
+            Err(MaterialError::SnapBack { of, size, largest })
+        }
         _ => Ok(()),
     }
 }

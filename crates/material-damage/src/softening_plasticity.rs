@@ -14,7 +14,7 @@ use crate::remaining;
 use crate::root::{Function, zero_between};
 use crate::softening::check_size;
 use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
-use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, SofteningOf, tangent};
 
 /// How fast strength falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -192,7 +192,7 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
     /// # Errors
     /// [`MaterialError::SnapBack`] names the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
-        check_size(size, self.largest_size())
+        check_size(size, &[(SofteningOf::Shear, self.largest_size())])
     }
 
     /// `b` in an element of a width (m).

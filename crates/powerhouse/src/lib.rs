@@ -44,6 +44,7 @@ mod builtin;
 mod builtin_joints;
 mod builtin_laws;
 mod damping;
+mod doubt;
 mod drive;
 mod error;
 mod fault;
@@ -71,6 +72,7 @@ pub use powerhouse_model as model;
 pub use powerhouse_wavefield as wavefield;
 
 pub use damping::{Damping, DampingCost};
+pub use doubt::{Doubt, RunNotes, Topic, together};
 pub use drive::{PointPath, PointTest};
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
@@ -84,7 +86,7 @@ pub use output::{
 pub use part::{Kernel, Material, Part};
 pub use reduction::reduction_layer;
 pub use registry::Registry;
-pub use remark::{Doubt, Remark, RunNotes, Topic};
+pub use remark::Remark;
 pub use scene::{
     Boundary, InitialMotion, LawMemory, Mirror, MirrorError, Parity, RegionError, ResidualLimit,
     Scene, TimeStep,

@@ -5,12 +5,13 @@ use core::fmt;
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
-use serde::Serialize;
-
+use crate::doubt::{Doubt, Topic};
 use crate::{DampingCost, Results, SceneDoubt};
 
 /// Standard gravity (m/s2).
 const STANDARD_GRAVITY: f64 = 9.806_65;
+/// Few accelerograms reach this peak (m/s2).
+const LARGE_PEAK: f64 = 1.5 * STANDARD_GRAVITY;
 
 /// Something that a user should know of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -191,6 +192,30 @@ pub enum Remark {
         /// The share of the internal work.
         share: f64,
     },
+    /// The stress of the ground before the first stage and what acts in it are out of balance; found after
+    /// the stages.
+    Unbalanced {
+        /// The first stage.
+        stage: String,
+        /// Forces out of balance at its start over the load.
+        share: f64,
+        /// The largest displacement until they balanced (m).
+        displacement: f64,
+        /// The node's number.
+        node: u64,
+    },
+    /// Accelerations that change from sample to sample by as much as they are large; found after the run.
+    Undersampled {
+        /// The name of the history.
+        name: String,
+        /// The interval of samples (s).
+        interval: f64,
+    },
+    /// Greatest accelerations of an envelope that depend on how often it looks; found after the run.
+    RareLooks {
+        /// The greatest acceleration that every second look finds, over that of all looks.
+        share: f64,
+    },
     /// What damping by relaxation mechanisms costs a part.
     FlatDamping {
         /// The part's set.
@@ -220,74 +245,6 @@ pub enum Remark {
     Doubt(SceneDoubt),
 }
 
-/// What of the results a doubt is about: reports put it there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-#[non_exhaustive]
-pub enum Topic {
-    /// The motion that comes in.
-    Input,
-    /// Motions, stresses and states against time, and their greatest values.
-    Histories,
-    /// Section forces.
-    Sections,
-    /// Joints.
-    Joints,
-    /// Bolts.
-    Bolts,
-    /// The energy account.
-    Energy,
-    /// All of the run.
-    Run,
-}
-
-/// A doubt about results as files and reports have it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Doubt {
-    /// What it is about.
-    pub about: Topic,
-    /// One sentence.
-    pub text: String,
-}
-
-/// What the files of a run say beside its results.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RunNotes {
-    /// What was found while the scene was composed.
-    pub remarks: Vec<Remark>,
-    /// Doubts that were found otherwise, such as those of a check.
-    pub warnings: Vec<Doubt>,
-}
-
-impl RunNotes {
-    /// Doubts about a topic.
-    pub(crate) fn about(&self, topic: Topic) -> Vec<String> {
-        let doubts = self.doubts(&[]).into_iter();
-        let own = doubts.filter(|doubt| doubt.about == topic);
-        own.map(|doubt| format!("warning: {}", doubt.text))
-            .collect()
-    }
-    /// All doubts, those of the results themselves last; each once.
-    pub(crate) fn doubts(&self, of_results: &[Remark]) -> Vec<Doubt> {
-        let remarks = self.remarks.iter().filter(|remark| remark.is_warning());
-        let mut doubts: Vec<Doubt> = Vec::new();
-        let all = (remarks.map(Remark::doubt))
-            .chain(self.warnings.iter().cloned())
-            .chain(of_results.iter().map(Remark::doubt));
-        for doubt in all {
-            if doubts.iter().all(|known| known.text != doubt.text) {
-                doubts.push(doubt);
-            }
-        }
-        doubts
-    }
-    /// What is no doubt.
-    pub(crate) fn facts(&self) -> Vec<String> {
-        let facts = self.remarks.iter().filter(|remark| !remark.is_warning());
-        facts.map(Remark::to_string).collect()
-    }
-}
-
 impl Remark {
     /// What of the results it is about.
     pub fn topic(&self) -> Topic {
@@ -302,6 +259,8 @@ impl Remark {
             Self::TetrahedralSection { .. } => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointAnew { .. } => Topic::Joints,
             Self::NoState { .. }
+            | Self::Undersampled { .. }
+            | Self::RareLooks { .. }
             | Self::Doubt(SceneDoubt::ShortInterval { .. } | SceneDoubt::LongInterval { .. }) => {
                 Topic::Histories
             }
@@ -327,7 +286,11 @@ impl Remark {
                 ..
             } => padding != waves,
             Self::Doubt(doubt) => doubt.is_warning(),
-            Self::DampedRim { .. }
+            Self::Record { report, .. } => report.peak_acceleration > LARGE_PEAK,
+            Self::Unbalanced { .. }
+            | Self::Undersampled { .. }
+            | Self::RareLooks { .. }
+            | Self::DampedRim { .. }
             | Self::DampedHistory { .. }
             | Self::Hourglass { .. }
             | Self::LargeSlip { .. }
@@ -343,8 +306,7 @@ impl Remark {
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
             | Self::LoadedSurface { .. } => true,
-            Self::Record { .. }
-            | Self::FlatDamping { .. }
+            Self::FlatDamping { .. }
             | Self::Rim { .. }
             | Self::Conversion { .. }
             | Self::QuietStart { .. }
@@ -375,6 +337,12 @@ impl fmt::Display for Remark {
                     report.end_velocity,
                     report.end_displacement
                 )?;
+                if report.peak_acceleration > LARGE_PEAK {
+                    write!(
+                        f,
+                        ", which few records have ever reached: are its units declared as they are?"
+                    )?;
+                }
                 if let Some(baseline) = baseline {
                     write!(
                         f,
@@ -564,6 +532,25 @@ impl fmt::Display for Remark {
                     100.0 * share
                 )
             }
+            Self::Unbalanced {
+                stage,
+                share,
+                displacement,
+                node,
+            } => write!(
+                f,
+                "the in-situ stress leaves {:.1} % of the load out of balance at the start of stage '{stage}', and the body moved by up to {displacement:.3e} m (node {node}) until it balanced: stress, density, gravity, surface loads and supports do not agree, and the stress is no longer the given one",
+                100.0 * share
+            ),
+            Self::Undersampled { name, interval } => write!(
+                f,
+                "the acceleration of '{name}' changes around its peak from sample to sample by more than its own size: something rings faster than its samples of every {interval} s show, such as cracks that open or close, and its peak is that of the sample, not of the motion"
+            ),
+            Self::RareLooks { share } => write!(
+                f,
+                "every second look of the envelope alone finds {:.0} % of its greatest acceleration: its looks are so rare that they miss peaks, which a shorter interval (`every`) shows",
+                100.0 * share
+            ),
             Self::FlatDamping { set, cost } => write!(f, "damping of part '{set}': {cost}"),
             Self::Rim {
                 set,

@@ -315,6 +315,8 @@ impl Simulation {
             let mut results = recordings.finish((report, wall_time, snapshots), bolts);
             if let Some(Rested { stages, hand_over }) = rested {
                 (results.stages, results.hand_over) = (stages, Some(hand_over));
+                results.in_situ_stress =
+                    staging.is_some_and(|staging| staging.scene.in_situ_stress.is_some());
             }
             results
         };

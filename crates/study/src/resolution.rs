@@ -12,8 +12,10 @@ const PER_WAVELENGTH: f64 = 10.0;
 const LOST_SHARE: f64 = 0.01;
 /// Instants at which the incoming motion is looked at.
 const INSTANTS: usize = 16_384;
-/// The last of them over which the motion is let fade, since it may go on after the run.
-const FADING: usize = INSTANTS / 20;
+/// How long after the run the motion, which may go on, is let fade: at least this share of the run.
+const FADING_SHARE: f64 = 0.05;
+/// And at least so long (s): what is cut off within a few periods has energy at all frequencies.
+const LEAST_FADING: f64 = 1.0;
 
 /// The highest frequency that a part carries, with ten elements per wavelength of shear waves.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,7 +119,9 @@ pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
     let sampler = field
         .prepare(&[Vec3::new(middle.x, middle.y, high.z)])
         .map_err(Error::from)?;
-    let interval = scene.run_duration() / INSTANTS as f64;
+    let run = scene.run_duration();
+    let fading = LEAST_FADING.max(FADING_SHARE * run);
+    let interval = (run + fading) / INSTANTS as f64;
     let velocities: Vec<Vec3> = (0..=INSTANTS)
         .map(|instant| {
             let mut motion = [FieldMotion::default()];
@@ -126,11 +130,16 @@ pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
             motion[0].velocity
         })
         .collect();
+    let within = (run / interval) as usize;
+    if velocities[..=within].iter().all(|v| *v == Vec3::zeros()) {
+        return Ok(Some(vec![(0.0, 0.0)]));
+    }
     let mut spectrum = Vec::new();
     for axis in 0..3 {
         let accelerations = velocities.windows(2).enumerate().map(|(instant, pair)| {
-            let left = (INSTANTS - instant) as f64 / FADING as f64;
-            left.min(1.0) * (pair[1][axis] - pair[0][axis]) / interval
+            let faded = (instant as f64 * interval - run).max(0.0) / fading;
+            let left = 0.5 * (1.0 + (core::f64::consts::PI * faded).cos());
+            left * (pair[1][axis] - pair[0][axis]) / interval
         });
         let history = TimeHistory::new(interval, accelerations.collect());
         let history =

@@ -54,6 +54,19 @@ pub struct EnvelopeTable {
     pub least_stress: PeakField,
     /// How many steps were seen.
     pub observations: u64,
+    /// The greatest acceleration of all nodes (m/s2) in every second step seen, from the first and from
+    /// the second one on.
+    pub alternate_acceleration: [f64; 2],
+}
+
+impl EnvelopeTable {
+    /// The greatest acceleration that every second look alone has found, over that of all: far below one,
+    /// it depends on how often the envelope looks. None without accelerations or before two looks.
+    pub fn share_of_alternate_looks(&self) -> Option<f64> {
+        let [first, second] = self.alternate_acceleration;
+        let greatest = first.max(second);
+        (self.observations > 1 && greatest > 0.0).then(|| first.min(second) / greatest)
+    }
 }
 
 /// Largest motion of nodes, and greatest and least principal stress of elements.
@@ -114,6 +127,7 @@ impl Envelope {
             greatest_stress: PeakField::new(elements.len(), f64::NEG_INFINITY),
             least_stress: PeakField::new(elements.len(), f64::INFINITY),
             observations: 0,
+            alternate_acceleration: [0.0; 2],
         };
         Ok(Self {
             cadence,
@@ -137,14 +151,15 @@ fn tags(all: &[u64], indices: &[u32]) -> Result<Vec<u64>, u64> {
         .collect()
 }
 
-/// Raises the peaks of a motion that is wanted; nodes come by mesh index and user's number.
+/// Raises the peaks of a motion that is wanted and returns its greatest magnitude; nodes come by mesh index and user's number.
 fn see(
     field: &mut PeakField,
     what: &'static str,
     (nodes, tags): (&[u32], &[u64]),
     time: f64,
     value: impl Fn(u32) -> Vec3,
-) -> Result<(), ObserveError> {
+) -> Result<f64, ObserveError> {
+    let mut greatest = 0.0_f64;
     // No values: not wanted.
     for index in 0..field.values.len() {
         let magnitude = value(nodes[index]).norm();
@@ -157,8 +172,9 @@ fn see(
             });
         }
         field.raise(index, magnitude, time);
+        greatest = greatest.max(magnitude);
     }
-    Ok(())
+    Ok(greatest)
 }
 
 impl Observer for Envelope {
@@ -190,13 +206,15 @@ impl Observer for Envelope {
         see(&mut table.velocity, "velocity", numbers, time, |n| {
             view.velocity(n)
         })?;
-        see(
+        let acceleration = see(
             &mut table.acceleration,
             "acceleration",
             numbers,
             time,
             |n| view.acceleration(n),
         )?;
+        let alternate = &mut table.alternate_acceleration[(table.observations % 2) as usize];
+        *alternate = alternate.max(acceleration);
         for (index, &element) in table.elements.iter().enumerate() {
             let [greatest, _, least] = principal_stresses(&view.stress(element));
             if !(greatest.is_finite() && least.is_finite()) {

@@ -60,6 +60,16 @@ pub enum ObserveError {
         /// The set.
         set: String,
     },
+    /// A place where nothing is, since stages have excavated it or never cast it.
+    #[error(
+        "'{name}' asks for {place}, where nothing is when the body moves: it was excavated, or is never cast; on a wall of the opening, or in what is cast into it, there is something to record"
+    )]
+    NothingThere {
+        /// Who asks.
+        name: String,
+        /// The place, in words.
+        place: String,
+    },
     /// A cut whose normal, or whose direction along in the plane, has no length.
     #[error("the {what} ({x}, {y}, {z}) of cut '{cut}' gives no direction in space")]
     NoDirection {

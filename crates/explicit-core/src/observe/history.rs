@@ -4,7 +4,7 @@ use powerhouse_model::{
     Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, StepView, Stress, Vec3,
 };
 
-use super::place::{Probe, elements, probes};
+use super::place::{Presence, Probe, elements, probes};
 use super::{
     HistoryTable, Motion, ObserveError, Place, Recording, StressPlace, check_cadence,
     principal_stresses,
@@ -81,6 +81,7 @@ pub struct HistoryBuilder {
     places: Vec<(String, Place)>,
     stress_places: Vec<(String, StressPlace)>,
     channels: Vec<Channel>,
+    present: Option<Vec<bool>>,
 }
 
 impl HistoryBuilder {
@@ -136,6 +137,13 @@ impl HistoryBuilder {
         self.stress_places.push((name.into(), place.into()));
         self
     }
+    /// Says which elements of the mesh are there, one flag each: points are sought among them alone, and
+    /// places where nothing is are refused.
+    #[must_use]
+    pub fn among(mut self, present: &[bool]) -> Self {
+        self.present = Some(present.to_vec());
+        self
+    }
     /// Finds all places in the mesh; no law is known to remember anything.
     ///
     /// # Errors
@@ -146,7 +154,7 @@ impl HistoryBuilder {
     /// Finds all places in the mesh, given the history variables of the law of each element.
     ///
     /// # Errors
-    /// A place or set that does not exist, a name that stands twice, a cadence or tolerance out of
+    /// A place or set that does not exist or where nothing is, a name that stands twice, a cadence or tolerance out of
     /// range.
     pub fn build_with(
         mut self,
@@ -154,8 +162,9 @@ impl HistoryBuilder {
         variables_of: impl Fn(u32) -> Vec<HistoryVariable>,
     ) -> Result<History, ObserveError> {
         check_cadence(self.cadence)?;
-        let probes = probes(mesh, &self.places)?;
-        let elements = elements(mesh, &self.stress_places)?;
+        let presence = Presence(self.present.as_deref());
+        let probes = probes(mesh, &self.places, presence)?;
+        let elements = elements(mesh, &self.stress_places, presence)?;
         let mut table = HistoryTable::default();
         for channel in &mut self.channels {
             if let Channel::Relative {
@@ -241,6 +250,7 @@ impl History {
             places: Vec::new(),
             stress_places: Vec::new(),
             channels: Vec::new(),
+            present: None,
         }
     }
     /// Whether it has nothing to record.

@@ -84,8 +84,8 @@ pub enum Place {
     Spot(Spot),
     /// A node, by the user's number.
     Node(u64),
-    /// The mean over the nodes of a node set; of a facet set if there is no such node set, or of an
-    /// element set if there is neither.
+    /// The mean over the nodes of a node set that are there; of a facet set if there is no such node
+    /// set, or of an element set if there is neither.
     NodeSet(String),
 }
 
@@ -133,8 +133,41 @@ impl From<Located> for Probe {
     }
 }
 
-/// Where spots lie, in their order; one pass over the elements for each set and tolerance.
-fn locate(mesh: &Mesh, spots: &[&Spot]) -> Result<Vec<Located>, ObserveError> {
+/// Which elements of a mesh there are; all if no flags are given.
+#[derive(Clone, Copy)]
+pub(super) struct Presence<'p>(pub(super) Option<&'p [bool]>);
+
+impl Presence<'_> {
+    fn has(self, element: u32) -> bool {
+        let flag = |flags: &[bool]| flags.get(element as usize).copied().unwrap_or(true);
+        self.0.is_none_or(flag)
+    }
+    /// Of elements, those that are there.
+    fn of(self, elements: impl IntoIterator<Item = u32>) -> Vec<u32> {
+        (elements.into_iter())
+            .filter(|element| self.has(*element))
+            .collect()
+    }
+    /// The nodes of elements that are there, one flag per node of the mesh; none if all are.
+    fn nodes(self, mesh: &Mesh) -> Option<Vec<bool>> {
+        self.0?;
+        let mut there = vec![false; mesh.node_count()];
+        for element in self.of(0..mesh.element_count() as u32) {
+            for &node in mesh.nodes_of(element) {
+                there[node as usize] = true;
+            }
+        }
+        Some(there)
+    }
+}
+
+/// Where named spots lie, in their order; one pass over the elements for each set and tolerance.
+fn locate(
+    mesh: &Mesh,
+    named: &[(&str, &Spot)],
+    presence: Presence,
+) -> Result<Vec<Located>, ObserveError> {
+    let spots: Vec<&Spot> = named.iter().map(|(_, spot)| *spot).collect();
     let mut located: Vec<Option<Located>> = vec![None; spots.len()];
     for first in 0..spots.len() {
         if located[first].is_some() {
@@ -149,11 +182,24 @@ fn locate(mesh: &Mesh, spots: &[&Spot]) -> Result<Vec<Located>, ObserveError> {
         let alike = |&i: &usize| spots[i].elements == *elements && spots[i].tolerance == *tolerance;
         let together: Vec<usize> = (first..spots.len()).filter(alike).collect();
         let points: Vec<Vec3> = together.iter().map(|&i| spots[i].position).collect();
-        let found = match elements {
-            Some(set) => mesh.locate_among(mesh.element_set(set)?, &points, *tolerance)?,
-            None => {
-                let all: Vec<u32> = (0..mesh.element_count() as u32).collect();
-                mesh.locate_among(&all, &points, *tolerance)?
+        let all: Vec<u32> = match elements {
+            Some(set) => mesh.element_set(set)?.to_vec(),
+            None => (0..mesh.element_count() as u32).collect(),
+        };
+        let there = presence.of(all.iter().copied());
+        let found = match mesh.locate_among(&there, &points, *tolerance) {
+            Ok(found) => found,
+            Err(outside) => {
+                // Outside of the mesh, or of what there is of it.
+                let is_lost = |&i: &&usize| {
+                    let point = [spots[*i].position];
+                    mesh.locate_among(&there, &point, *tolerance).is_err()
+                        && mesh.locate_among(&all, &point, *tolerance).is_ok()
+                };
+                return Err(match together.iter().find(is_lost) {
+                    Some(&lost) => nothing_at(named[lost].0, &spots[lost].position),
+                    None => outside.into(),
+                });
             }
         };
         for (i, found) in together.into_iter().zip(found) {
@@ -163,16 +209,31 @@ fn locate(mesh: &Mesh, spots: &[&Spot]) -> Result<Vec<Located>, ObserveError> {
     Ok(located.into_iter().flatten().collect())
 }
 
+/// A spot in elements that are not there.
+fn nothing_at(name: &str, position: &Vec3) -> ObserveError {
+    let [x, y, z] = [position.x, position.y, position.z];
+    ObserveError::NothingThere {
+        name: name.into(),
+        place: format!("the point ({x}, {y}, {z}) m"),
+    }
+}
+
 /// The probes of named places, in their order.
-pub(super) fn probes(mesh: &Mesh, places: &[(String, Place)]) -> Result<Vec<Probe>, ObserveError> {
-    let spots: Vec<&Spot> = places
+pub(super) fn probes(
+    mesh: &Mesh,
+    places: &[(String, Place)],
+    presence: Presence,
+) -> Result<Vec<Probe>, ObserveError> {
+    let spots: Vec<(&str, &Spot)> = places
         .iter()
-        .filter_map(|(_, place)| match place {
-            Place::Spot(spot) => Some(spot),
+        .filter_map(|(name, place)| match place {
+            Place::Spot(spot) => Some((name.as_str(), spot)),
             _ => None,
         })
         .collect();
-    let mut located = locate(mesh, &spots)?.into_iter();
+    let mut located = locate(mesh, &spots, presence)?.into_iter();
+    let nodes_there = presence.nodes(mesh);
+    let is_there = |node: u32| (nodes_there.as_ref()).is_none_or(|there| there[node as usize]);
     let mut probes = Vec::with_capacity(places.len());
     for (name, place) in places {
         match place {
@@ -183,10 +244,23 @@ pub(super) fn probes(mesh: &Mesh, places: &[(String, Place)]) -> Result<Vec<Prob
                     name: name.clone(),
                     node: *tag,
                 })?;
+                if !is_there(node) {
+                    return Err(ObserveError::NothingThere {
+                        name: name.clone(),
+                        place: format!("node {tag}"),
+                    });
+                }
                 probes.push(Probe(vec![(node, 1.0)]));
             }
             Place::NodeSet(set) => {
-                let nodes = mesh.nodes_of_set(set)?;
+                let all = mesh.nodes_of_set(set)?;
+                let nodes: Vec<u32> = all.iter().copied().filter(|n| is_there(*n)).collect();
+                if nodes.is_empty() && !all.is_empty() {
+                    return Err(ObserveError::NothingThere {
+                        name: name.clone(),
+                        place: format!("the mean of the set '{set}'"),
+                    });
+                }
                 if nodes.is_empty() {
                     return Err(ObserveError::EmptySet {
                         name: name.clone(),
@@ -205,25 +279,33 @@ pub(super) fn probes(mesh: &Mesh, places: &[(String, Place)]) -> Result<Vec<Prob
 pub(super) fn elements(
     mesh: &Mesh,
     places: &[(String, StressPlace)],
+    presence: Presence,
 ) -> Result<Vec<u32>, ObserveError> {
-    let spots: Vec<&Spot> = places
+    let spots: Vec<(&str, &Spot)> = places
         .iter()
-        .filter_map(|(_, place)| match place {
-            StressPlace::Spot(spot) => Some(spot),
+        .filter_map(|(name, place)| match place {
+            StressPlace::Spot(spot) => Some((name.as_str(), spot)),
             StressPlace::Element(_) => None,
         })
         .collect();
-    let mut located = locate(mesh, &spots)?.into_iter();
+    let mut located = locate(mesh, &spots, presence)?.into_iter();
     let mut elements = Vec::with_capacity(places.len());
     for (name, place) in places {
         match place {
             StressPlace::Spot(_) => elements.extend(located.next().map(|found| found.element)),
             StressPlace::Element(tag) => {
                 let element = index_of(mesh.element_tags(), *tag);
-                elements.push(element.ok_or_else(|| ObserveError::NoSuchElement {
+                let element = element.ok_or_else(|| ObserveError::NoSuchElement {
                     name: name.clone(),
                     element: *tag,
-                })?);
+                })?;
+                if !presence.has(element) {
+                    return Err(ObserveError::NothingThere {
+                        name: name.clone(),
+                        place: format!("element {tag}"),
+                    });
+                }
+                elements.push(element);
             }
         }
     }

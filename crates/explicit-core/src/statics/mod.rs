@@ -55,6 +55,8 @@ pub struct StaticReport {
     /// Norm of the load (N): the largest of applied forces, those that the initial stress asks for,
     /// and those that were out of balance.
     pub load: f64,
+    /// What was out of balance at the start, over the load.
+    pub unbalanced: f64,
 }
 
 /// Progress of a static solution, shown after each correction or a hundred steps.
@@ -145,6 +147,9 @@ impl Model {
         }
         let driven = system.prescribed_change(&u);
         report.load = size.max(norm(&first));
+        if report.load > 0.0 {
+            report.unbalanced = norm(&first) / report.load;
+        }
         let moves = driven.iter().any(|(_, change)| *change != Vec3::zeros());
         let end = options.release;
         let (mut done, mut share) = (0.0, end / f64::from(options.increments));

@@ -1,7 +1,7 @@
 //! One or two columns of text.
 
 use super::number::number;
-use super::{Record, RecordError, RecordFault, RecordOptions};
+use super::{AccelerationUnit, Record, RecordError, RecordFault, RecordOptions};
 
 /// Largest deviation of a time from the uniform one, in steps.
 const UNIFORMITY: f64 = 0.01;
@@ -10,9 +10,17 @@ pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, Record
     if let Some(text) = no_numbers(text) {
         return Err(RecordError::content(1, 0, RecordFault::NoNumbers { text }));
     }
-    let unit = options
-        .unit
-        .ok_or_else(|| RecordError::content(0, 0, RecordFault::NoUnit))?;
+    let unit = match (declared_unit(text), options.unit) {
+        (Some((line, found)), Some(declared)) if found != declared => {
+            let (found, declared) = (found.name(), declared.name());
+            let fault = RecordFault::UnitConflict { found, declared };
+            return Err(RecordError::content(line, 0, fault));
+        }
+        (found, declared) => found
+            .map(|(_, unit)| unit)
+            .or(declared)
+            .ok_or_else(|| RecordError::content(0, 0, RecordFault::NoUnit))?,
+    };
     let mut title = Vec::new();
     let mut named = false;
     let mut width = 0;
@@ -76,6 +84,29 @@ pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, Record
         samples,
         warnings: warnings.into_iter().collect(),
     })
+}
+
+/// The unit of acceleration that comments or names above the numbers declare, with the line: after the word
+/// `unit`, or in brackets.
+fn declared_unit(text: &str) -> Option<(usize, AccelerationUnit)> {
+    let is_above = |line: &&str| match cells(line).first() {
+        None => true,
+        Some((_, cell)) => cell.starts_with(['#', '%']) || is_name(cell),
+    };
+    let brackets = ['(', ')', '[', ']'];
+    let of_line = |line: &str| {
+        let parts = |c: char| c.is_whitespace() || ",;:=\"#%".contains(c) || brackets.contains(&c);
+        let mut words = line.split(parts);
+        let is_key = |word: &str| ["unit", "units"].contains(&word.to_ascii_lowercase().as_str());
+        if words.any(is_key) {
+            return words.find_map(AccelerationUnit::from_name);
+        }
+        let mut within = line.split(brackets).skip(1).step_by(2);
+        within.find_map(AccelerationUnit::from_name)
+    };
+    let above = text.lines().take_while(is_above).zip(1..);
+    let mut found = above.filter_map(|(line, number)| Some((number, of_line(line)?)));
+    found.next()
 }
 
 /// The first line of a text in which no line starts with what could be a number.

@@ -20,7 +20,7 @@ use crate::remaining;
 use crate::softening::check_size;
 use crate::surface::{YieldState, stiffened};
 use crate::uniaxial::UniaxialCurve;
-use crate::{ElasticInSeries, MaterialError, PrincipalAxes, tangent};
+use crate::{ElasticInSeries, MaterialError, PrincipalAxes, SofteningOf, tangent};
 use flow::Trial;
 
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
@@ -204,7 +204,14 @@ impl LeeFenves {
     /// # Errors
     /// [`MaterialError::SnapBack`] names the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
-        check_size(size, Some(self.largest_size()))
+        let limits = [
+            (SofteningOf::Tension, Some(self.tension.largest_size())),
+            (
+                SofteningOf::Compression,
+                Some(self.compression.largest_size()),
+            ),
+        ];
+        check_size(size, &limits)
     }
 
     /// The yield function of an effective stress with a history in an element of a width (m),

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 use powerhouse_material_damage::{
-    Control, LeeFenves, LeeFenvesParameters, MaterialError, PointDriver, PrincipalAxes, presets,
+    Control, LeeFenves, LeeFenvesParameters, MaterialError, PointDriver, PrincipalAxes,
+    SofteningOf, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
@@ -411,7 +412,11 @@ fn what_cannot_be_is_refused() {
     let size = 1.001 * largest;
     assert_eq!(
         law.check_size(size),
-        Err(MaterialError::SnapBack { size, largest })
+        Err(MaterialError::SnapBack {
+            of: SofteningOf::Compression,
+            size,
+            largest
+        })
     );
     let refused = |p: LeeFenvesParameters, name: &str| match LeeFenves::new(p) {
         Err(MaterialError::Parameter(error)) => assert_eq!(error.name, name),

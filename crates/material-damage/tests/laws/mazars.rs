@@ -1,7 +1,8 @@
 //! Mazars' damage in total strain.
 
 use powerhouse_material_damage::{
-    Control, MaterialError, Mazars, MazarsParameters, MazarsTension, PointDriver, presets,
+    Control, MaterialError, Mazars, MazarsParameters, MazarsTension, PointDriver, SofteningOf,
+    presets,
 };
 use powerhouse_model::{ConstitutiveLaw, ElasticMedium, LawInput, Strain, Stress};
 
@@ -120,7 +121,11 @@ fn cracks_take_the_fracture_energy_or_are_refused() {
     let size = 1.01 * largest;
     assert_eq!(
         law.check_size(size),
-        Err(MaterialError::SnapBack { size, largest })
+        Err(MaterialError::SnapBack {
+            of: SofteningOf::Tension,
+            size,
+            largest
+        })
     );
     let refused = law.check_size(0.99 * least);
     assert!(matches!(refused, Err(MaterialError::Hardening { product }) if product < 1.0));
@@ -167,7 +172,11 @@ fn falling_stress_takes_the_fracture_energy_at_any_width() {
     let size = 1.01 * largest;
     assert_eq!(
         law.check_size(size),
-        Err(MaterialError::SnapBack { size, largest })
+        Err(MaterialError::SnapBack {
+            of: SofteningOf::Tension,
+            size,
+            largest
+        })
     );
 }
 

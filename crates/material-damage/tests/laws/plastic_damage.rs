@@ -3,7 +3,7 @@
 use powerhouse_material_damage::{
     ConeFit, Control, DruckerPrager, DruckerPragerParameters, MaterialError, MohrCoulomb,
     MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, PointDriver, Softening,
-    TwoSurface, YieldSurface, presets,
+    SofteningOf, TwoSurface, YieldSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
@@ -178,7 +178,11 @@ fn snap_back_is_refused() {
     let size = 1.001 * largest;
     assert_eq!(
         law.check_size(size),
-        Err(MaterialError::SnapBack { size, largest })
+        Err(MaterialError::SnapBack {
+            of: SofteningOf::Tension,
+            size,
+            largest
+        })
     );
     assert!(law.check_size(f64::NAN).is_err());
 }

@@ -2,8 +2,8 @@
 
 use powerhouse_material_damage::{
     Control, ElastoPlastic, MaterialError, MohrCoulomb, MohrCoulombParameters, PointDriver,
-    PrincipalAxes, SofteningPlasticity, SofteningPlasticityParameters, StrengthFall, YieldSurface,
-    presets,
+    PrincipalAxes, SofteningOf, SofteningPlasticity, SofteningPlasticityParameters, StrengthFall,
+    YieldSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
@@ -93,6 +93,7 @@ fn the_energy_is_that_of_the_band() {
     assert_eq!(
         law.check_size(1.01 * largest),
         Err(MaterialError::SnapBack {
+            of: SofteningOf::Shear,
             size: 1.01 * largest,
             largest: law.largest_size().unwrap()
         })

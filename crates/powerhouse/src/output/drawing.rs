@@ -110,8 +110,10 @@ pub(super) fn joint_picture(
             let corners = || field.positions.iter();
             let low = corners().fold(Vec3::repeat(f64::INFINITY), |low, p| low.inf(p));
             let high = corners().fold(Vec3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
+            let middle = (low + high) / 2.0;
+            picture.title = format!("joint {joint}, its half beyond y = {:.4} m", middle.y);
             picture.section = Some(SectionPlane {
-                point: (low + high) / 2.0,
+                point: middle,
                 normal: -Vec3::y(),
             });
         }

@@ -16,7 +16,7 @@ use super::lock::{FolderError, FolderLock};
 use super::stages::StageFiles;
 use super::summary::Summary;
 use super::{Results, drawing, vtu};
-use crate::remark::{RunNotes, Topic};
+use crate::doubt::{RunNotes, Topic};
 use crate::{Error, Simulation, StageSink};
 
 /// A folder that takes the files of a run.
@@ -208,7 +208,7 @@ impl ResultFolder {
     }
 
     /// Writes the results, and the scene's text if there is one; returns the files written, the
-    /// collection of snapshots among them; those of stages are written as they come to rest. A file that
+    /// collection of snapshots and those of stages, which stand there by then, among them. A file that
     /// cannot be written does not keep the others from it. The summary says that the run is incomplete until
     /// all others are there.
     ///
@@ -269,6 +269,12 @@ impl ResultFolder {
         }
         if results.snapshots > 0 {
             files.written.push(self.path.join(SNAPSHOTS));
+        }
+        if !results.stages.is_empty() {
+            let mut of_stages = self.files_in(STAGES, "", ".vtu");
+            of_stages.extend(self.files_in(STAGES, "", ".csv"));
+            of_stages.sort();
+            files.written.extend(of_stages);
         }
         // Last, so that who finds it finds the others.
         if files.failure.is_none() {

@@ -10,6 +10,7 @@ mod naming;
 mod plan;
 mod remembered;
 mod results;
+mod sampling;
 mod stages;
 mod summary;
 mod vtu;

@@ -13,6 +13,7 @@ use powerhouse_explicit_core::observe::{
 use powerhouse_explicit_core::{BoltSet, HandOverReport, HourglassShare, RunReport, StageReport};
 use powerhouse_model::{Cadence, ElementKind, JointRecord, Mesh, ModelError, Observer};
 
+use super::sampling;
 use super::{BoltForces, CutWish, JointWish, OutputPlan, Remembered};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
@@ -66,6 +67,8 @@ pub struct Results {
     pub snapshots: u64,
     /// What the stages took and did, before the run.
     pub stages: Vec<StageReport>,
+    /// Whether the body had a stress before the first of them.
+    pub in_situ_stress: bool,
     /// What holds the body beside its loads, if it went through stages.
     pub hand_over: Option<HandOverReport>,
     /// The axial forces of bolts at the end, and the greatest of the run.
@@ -85,6 +88,8 @@ impl fmt::Debug for Results {
 }
 
 impl Results {
+    /// The share of the load that may be out of balance where the stress of the ground is given.
+    pub const BALANCED: f64 = 0.05;
     /// The share of an edge up to which a slip counts as small.
     pub const SMALL_SLIP: f64 = 0.1;
 
@@ -145,7 +150,27 @@ impl Results {
             resists(Some(&stage.name), &stage.hourglass, &mut doubts);
         }
         resists(None, &self.run.hourglass, &mut doubts);
-        doubts
+        let mut worst: Vec<Remark> = Vec::new();
+        for doubt in doubts {
+            keep_worst(&mut worst, doubt);
+        }
+        worst.extend(self.unbalanced());
+        worst.extend(sampling::doubts(&self.histories, self.envelope.as_ref()));
+        worst
+    }
+    /// The doubt about a stress of the ground that does not agree with what acts in the first stage, unless
+    /// that changes the body.
+    fn unbalanced(&self) -> Option<Remark> {
+        let first = self.stages.first()?;
+        let share = first.solution.unbalanced;
+        let (displacement, node) = first.largest_displacement;
+        let changes = first.excavated + first.cast > 0;
+        (self.in_situ_stress && !changes && share > Self::BALANCED).then(|| Remark::Unbalanced {
+            stage: first.name.clone(),
+            share,
+            displacement,
+            node,
+        })
     }
     /// The greatest values of all histories, section forces and envelopes.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
@@ -205,7 +230,7 @@ impl Recordings {
             bolts: None,
             present: present.map(<[bool]>::to_vec),
         };
-        let (history, mut in_vain) = histories(plan, mesh, remembered)?;
+        let (history, mut in_vain) = histories(plan, mesh, present, remembered)?;
         remarks.append(&mut in_vain);
         if !history.is_empty() {
             recordings.histories = Some(history.recording());
@@ -345,9 +370,36 @@ impl Recordings {
             present: self.present,
             snapshots,
             stages: Vec::new(),
+            in_situ_stress: false,
             hand_over: None,
             bolts,
             bolt_histories: history,
+        }
+    }
+}
+
+/// Adds a doubt; of those about the hourglass resistance of one set in stages the one with the largest share
+/// stays.
+fn keep_worst(doubts: &mut Vec<Remark>, doubt: Remark) {
+    let of_stage = |doubt: &Remark| match doubt {
+        Remark::Hourglass {
+            stage: Some(_),
+            set,
+            share,
+        } => Some((set.clone(), *share)),
+        _ => None,
+    };
+    let known = of_stage(&doubt).and_then(|(set, share)| {
+        let mut known = doubts.iter_mut();
+        let found = known.find(|known| of_stage(known).is_some_and(|(other, _)| other == set));
+        found.map(|known| (known, share))
+    });
+    match known {
+        None => doubts.push(doubt),
+        Some((known, share)) => {
+            if of_stage(known).is_some_and(|(_, least)| share > least) {
+                *known = doubt;
+            }
         }
     }
 }
@@ -388,9 +440,13 @@ impl JointWish {
 fn histories(
     plan: &OutputPlan,
     mesh: &Mesh,
+    present: Option<&[bool]>,
     remembered: &Remembered,
 ) -> Result<(History, Vec<Remark>), Error> {
     let mut builder = History::builder(Cadence::Seconds(plan.every));
+    if let Some(present) = present {
+        builder = builder.among(present);
+    }
     for wish in &plan.histories {
         if wish.motion != Motion::default() {
             builder = builder.motion(&wish.name, wish.place.clone(), wish.motion);

@@ -6,7 +6,7 @@ use powerhouse_model::{LimitingTerm, Mesh};
 use serde::Serialize;
 
 use super::{BoltForces, Results};
-use crate::remark::{Doubt, RunNotes};
+use crate::doubt::{Doubt, RunNotes};
 
 /// `summary.json`.
 #[derive(Debug, Serialize)]

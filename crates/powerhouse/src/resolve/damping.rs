@@ -3,6 +3,7 @@
 use powerhouse_explicit_core::Rayleigh;
 use powerhouse_material_damage::{DampingBand, ReferenceFrequency, RelaxationSpectrum};
 
+use super::ordered;
 use crate::Damping;
 use crate::fault::Fault;
 use crate::format::{self, At, Reference};
@@ -29,6 +30,7 @@ pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
             mechanisms,
             reference,
         } => {
+            ordered(band.span(), band.map(|end| end.get()))?;
             let spectrum = RelaxationSpectrum::fit(DampingBand {
                 ratio: ratio.get(),
                 lowest: band[0].get(),

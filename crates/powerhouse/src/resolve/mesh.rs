@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use powerhouse_io::gmsh::{GmshGroup, GmshReport};
 use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
+use super::ordered;
 use crate::fault::{Fault, SceneText};
 use crate::format::{self, At, Finite};
 use crate::{Registry, Remark, SceneDoubt};
@@ -41,6 +42,9 @@ pub(super) fn mesh(
         None => mesh,
         Some(within) => {
             let pairs = [within.x, within.y, within.z];
+            for pair in pairs.into_iter().flatten() {
+                ordered(within.span(), pair.map(Finite::get))?;
+            }
             let end = |end: usize, otherwise: f64| {
                 let coordinate = |pair: [Finite; 2]| pair[end].get();
                 Vec3::from(pairs.map(|pair| pair.map_or(otherwise, coordinate)))

@@ -154,7 +154,25 @@ pub(crate) fn compose(
     let sections = file.output.sections.iter();
     let sections = sections.map(|section| (section.name.to_string(), section.at.span()));
     scene.places.cuts = sections.collect();
+    let histories = file.output.histories.iter().map(|history| &history.name);
+    let relative = file.output.relative.iter().map(|relative| &relative.name);
+    let named = histories.chain(relative);
+    scene.places.histories = named.map(|name| (name.to_string(), name.span())).collect();
     Ok(scene)
+}
+
+/// Refuses a pair of numbers at a place of which the first is not below the second.
+fn ordered(place: core::ops::Range<usize>, [low, high]: [f64; 2]) -> Result<(), Fault> {
+    match low < high {
+        true => Ok(()),
+        false => Err(Fault::new(
+            place,
+            Problem::Value {
+                found: format!("[{low}, {high}]"),
+                expected: "two numbers, the lower one first".into(),
+            },
+        )),
+    }
 }
 
 /// Sets of supports and loads in which there is nothing, as of a part of a mesh that was cut off.

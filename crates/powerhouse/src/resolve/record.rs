@@ -11,7 +11,7 @@ use powerhouse_wavefield::{
     SurfaceComponent, TimeHistory, WaveError,
 };
 
-use super::{one_of, unique};
+use super::{one_of, ordered, unique};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{
     At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
@@ -160,6 +160,7 @@ fn corrected(
 ) -> Result<(TimeHistory, Option<BaselineReport>), Fault> {
     match (&table.cut, &table.taper) {
         (Some(cut), taper) => {
+            ordered(cut.span(), cut.map(NonNegative::get))?;
             let taper = taper.as_ref().map_or(0.0, |taper| taper.get());
             history = cut_out(&history, cut.map(NonNegative::get), taper)
                 .map_err(|error| Fault::refused(cut.span(), error))?;

@@ -452,6 +452,10 @@ impl Scene {
             || !self.weights.is_empty()
             || !self.prescribed.is_empty()
     }
+    /// Whether forces that last act on it: weight, or what its stages leave.
+    pub fn is_loaded_for_good(&self) -> bool {
+        !self.weights.is_empty() || !self.stages.is_empty()
+    }
     /// What is recorded.
     pub fn output_plan(&self) -> &OutputPlan {
         &self.output

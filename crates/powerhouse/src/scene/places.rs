@@ -75,6 +75,8 @@ pub(crate) struct Places {
     pub(crate) step: Range<usize>,
     /// The scheme.
     pub(crate) scheme: Range<usize>,
+    /// Histories and relative displacements by name.
+    pub(crate) histories: BTreeMap<String, Range<usize>>,
     /// Cuts by name.
     pub(crate) cuts: BTreeMap<String, Range<usize>>,
     /// Materials of parts, by their set.
@@ -166,6 +168,7 @@ impl Places {
             Some(ObserveError::EmptyCut { cut, .. } | ObserveError::NoDirection { cut, .. }) => {
                 self.cuts.get(cut).cloned()
             }
+            Some(ObserveError::NothingThere { name, .. }) => self.histories.get(name).cloned(),
             _ => None,
         }
     }

@@ -41,6 +41,14 @@ pub enum StagingError {
         /// The set.
         set: String,
     },
+    /// A material for a part that is not there in the stage.
+    #[error(
+        "no element of part '{set}' is there in this stage: what is excavated has no material, and what is cast later has that of its part"
+    )]
+    AbsentPart {
+        /// The set.
+        set: String,
+    },
     /// Bolts that the scene does not have.
     #[error("there are no bolts '{name}'")]
     NoSuchBolts {
@@ -138,7 +146,9 @@ pub enum StagingError {
         name: String,
     },
     /// An in-situ stress or bolts, and no stage in which the body comes to rest with them.
-    #[error("{what} need a stage in which the body comes to rest")]
+    #[error(
+        "{what} can act only in a scene with stages: give a stage in which the body comes to rest"
+    )]
     NoStage {
         /// `an in-situ stress` or `bolts`.
         what: &'static str,
@@ -152,7 +162,7 @@ impl StagingError {
             Self::NoSuchSet { set, what } => (what, set),
             Self::NotThere { set, .. } | Self::Bolted { set, .. } => ("excavate", set),
             Self::AlreadyThere { set, .. } => ("cast", set),
-            Self::NoSuchPart { set } => ("part", set),
+            Self::NoSuchPart { set } | Self::AbsentPart { set } => ("part", set),
             Self::NoSuchBolts { name } | Self::BoltsTwice { name } => ("bolts", name),
             Self::IdleBolts { name } | Self::SameBolts { name } | Self::NoPlace { name } => {
                 ("bolt", name)

@@ -16,7 +16,7 @@ use super::BodyAtRest;
 use crate::Error;
 
 /// What a file begins with; the number goes up with every change of what follows.
-const HEAD: &[u8] = b"powerhouse body at rest 2\n";
+const HEAD: &[u8] = b"powerhouse body at rest 3\n";
 
 impl BodyAtRest {
     /// Writes the body as a file, whole or not at all.
@@ -266,6 +266,7 @@ kept_fields!(StaticReport {
     steps,
     residual,
     load,
+    unbalanced,
 });
 kept_fields!(StageReport {
     name,

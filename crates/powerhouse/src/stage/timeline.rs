@@ -306,6 +306,10 @@ impl Found<'_> {
         for (set, material) in &stage.parts {
             let part = parts.iter().position(|part| part.set == *set);
             let part = part.ok_or_else(|| StagingError::NoSuchPart { set: set.clone() })?;
+            let elements = mesh.element_set(set).unwrap_or_default();
+            if !elements.iter().any(|&e| self.present[e as usize]) {
+                return Err(StagingError::AbsentPart { set: set.clone() });
+            }
             self.materials.insert(part, material.clone());
         }
         Ok(())

@@ -193,7 +193,7 @@ fn faults_have_their_place() {
         ),
         (
             "damping = { kind = \"flat\", ratio = 0.05, band = §[20, 0.5] }",
-            "highest = 0.5 is outside",
+            "the lower one first",
         ),
         (
             "damping = { kind = \"flat\", ratio = 0.05, band = [1, 10], mechanisms = §5 }",

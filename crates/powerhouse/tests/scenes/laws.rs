@@ -416,7 +416,8 @@ fn elements_that_snap_back_are_refused() {
             "element ",
             "set 'rock'",
             "50.0000 m wide",
-            &largest.to_string(),
+            &format!("{largest:.4}"),
+            "snaps back in tension",
         ] {
             assert!(told.contains(passage), "{passage}: {told}");
         }

@@ -22,5 +22,6 @@ mod smaller;
 mod stage_loads;
 mod stages;
 mod stages_at_rest;
+mod stages_told;
 mod support;
 mod surroundings;

@@ -76,6 +76,7 @@ fn a_stage_may_be_interrupted() {
         "\"ground\"",
         "\"trench\"\nexcavate = [\"trench\"]\nincrements = 5",
     );
+    let first = first.replace("part = [{ set = \"lining\", material = \"rock\" }]\n", "");
     let text = [MATERIALS, &first].concat();
     let stop = Arc::new(AtomicBool::new(false));
     let hooks = RunHooks {

@@ -24,6 +24,9 @@
 //! the distance; the nearest face stands for all. Shorter waves than the slice carries are left out,
 //! of which springs return less than of the longer ones.
 //!
+//! *A body under weight, or one that went through stages, must be held*: dashpots alone, which let it drift,
+//! are no candidate for it.
+//!
 //! *Costs are alike.* All of these boundaries are springs and dashpots in the velocity solve of their
 //! nodes: they differ in what they return, not in what they cost, and the one that errs least among
 //! those of one cost is named. A field that enters through a layer (`region` in a scene) is not among
@@ -151,6 +154,8 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
     let bottom = bottom_faces(scene)?;
     let kinds: Vec<BoundaryKind> = (BoundaryKind::ALL.into_iter())
         .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&setting, &bottom))
+        // What lasts would push the body away.
+        .filter(|kind| kind.holds() || !scene.is_loaded_for_good())
         .collect();
     let found = predictions(&setting, 1.0, &kinds)?;
     let distances = setting.least_distances();

@@ -18,7 +18,7 @@ const SHARES: [f64; 7] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
 pub struct NearerFaces {
     /// Their share of the scene's distances.
     pub share: f64,
-    /// The error that is predicted there.
+    /// The error that is predicted there, at least that of farther faces.
     pub predicted: f64,
     /// Least and greatest coordinate (m) of the box along x, y and z; none where no face absorbs.
     pub within: [Option<[f64; 2]>; 3],
@@ -77,7 +77,7 @@ impl fmt::Display for BoxAdvice {
         };
         writeln!(
             f,
-            "  faces at {} of their distance: {} elements ({:.0} %), predicted to err by {:.2} %",
+            "  faces at {} of their distance: {} elements ({:.0} %), predicted to err by {:.2} % in displacement and velocity; small differences between places, such as closures, and accelerations may err by more",
             nearer.share,
             nearer.elements,
             per_cent(nearer.elements as f64 / self.elements as f64),
@@ -309,6 +309,13 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
         // What leaves no room for a prediction is too near.
         let Ok(predicted) = predicted_error(setting, share, kind) else {
             break;
+        };
+        // Waves that return may happen to cancel: nearer faces are not taken to err less than farther ones.
+        let farther = (advice.nearer.as_ref()).map_or(advice.as_it_stands, |found| found.predicted);
+        let predicted = if predicted < farther {
+            farther
+        } else {
+            predicted
         };
         if !predicted.is_finite() || predicted > error {
             break;

@@ -136,8 +136,11 @@ impl fmt::Display for Change {
 /// An error, and how it is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedError {
-    /// Its size, relative; none if nothing is known of it.
+    /// Its size, relative; none if it is not known.
     pub share: Option<f64>,
+    /// What is known of it where it may grow after the part of the run that was computed: it is at least so
+    /// large.
+    pub least: Option<f64>,
     /// What it is an error of.
     pub of: String,
     /// The formula or the measurement, or why nothing is known.
@@ -147,7 +150,8 @@ pub struct PredictedError {
 impl PredictedError {
     fn measured(error: &MeasuredError) -> Self {
         Self {
-            share: Some(error.share),
+            share: (!error.amplified).then_some(error.share),
+            least: error.amplified.then_some(error.share),
             of: error.history.clone(),
             source: error.source(),
         }
@@ -155,6 +159,7 @@ impl PredictedError {
     fn unknown(reason: &str) -> Self {
         Self {
             share: None,
+            least: None,
             of: "histories".into(),
             source: reason.into(),
         }
@@ -163,9 +168,12 @@ impl PredictedError {
 
 impl fmt::Display for PredictedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.share {
-            Some(share) => write!(f, "error {share:.1e} of {}, {}", self.of, self.source),
-            None => write!(f, "error of {} not measured: {}", self.of, self.source),
+        match (self.share, self.least) {
+            (Some(share), _) => write!(f, "error {share:.1e} of {}, {}", self.of, self.source),
+            (None, Some(least)) => {
+                write!(f, "error above {least:.1e} of {}, {}", self.of, self.source)
+            }
+            (None, None) => write!(f, "error of {} not measured: {}", self.of, self.source),
         }
     }
 }
@@ -185,7 +193,7 @@ impl FormatError {
     /// Whether the scene is predicted to err by more than is documented.
     #[must_use]
     pub fn is_large(&self) -> bool {
-        let share = self.error.share;
+        let share = self.error.share.or(self.error.least);
         share.is_some_and(|share| share > self.documented || share.is_nan())
     }
 
@@ -367,6 +375,7 @@ fn whole_step(stable: &StableStep, step: f64, (highest, crossing): (f64, f64)) -
         time: share,
         timed: BY_COUNT,
         error: PredictedError {
+            least: None,
             share: Some(rate * crossing * (rate * stable.step).powi(2) / 24.0),
             of: "motion at the highest frequency after the longest way".into(),
             source: "not measured, the phase error (w dt)^2/24 of central differences".into(),
@@ -405,6 +414,7 @@ fn larger_elements(
         time: steps,
         timed: BY_COUNT,
         error: PredictedError {
+            least: None,
             share: Some(
                 rate * crossing * (wave_number * times * of_set.longest_edge).powi(2) / 24.0,
             ),

@@ -89,6 +89,7 @@ fn slice(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
     Ok((elements < 1.0).then(|| {
         let error = PredictedError {
             share: Some(SLICE_ERROR),
+            least: None,
             of: "histories".into(),
             source: "not measured on this scene, that of the example `plane_slice`".into(),
         };
@@ -180,6 +181,7 @@ fn half(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
     let elements = kept as f64 / mesh.element_count() as f64;
     let error = PredictedError {
         share: Some(HALF_ERROR),
+        least: None,
         of: "histories".into(),
         source: "not measured on this scene, that of halves of cubes run beside the whole".into(),
     };
@@ -244,6 +246,7 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     let left = left.len() as f64;
     let error = PredictedError {
         share: Some(predicted),
+        least: None,
         of: "displacement and velocity, that of the boundary as a whole".into(),
         source: "not measured on this scene, predicted by an opening in a slice of its ground, as `powerhouse advise boundary` has it".into(),
     };

@@ -86,6 +86,7 @@ impl Variant {
         let error = match self.change {
             Change::FlatDamping => PredictedError {
                 share: Some(deviation),
+                least: None,
                 of: "the damping ratio within its band".into(),
                 source: "computed from the spectrum of its mechanisms".into(),
             },

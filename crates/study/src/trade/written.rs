@@ -1,5 +1,8 @@
 //! The files of a trade: the scene that it chose, a table and a picture.
 
+use toml::Value;
+
+use super::plan::Design;
 use super::{Trade, TradeReport};
 use crate::StudyError;
 use crate::price::draw_prices;
@@ -38,7 +41,7 @@ impl Trade {
                 of_reference.unwrap_or_default(),
                 of_mesh.unwrap_or_default(),
                 case.cost.wall_time(),
-                self.text_of(&case.levels)?
+                self.text_beside(&case.levels)?
             );
             write_text(&file, &text)?;
             files.push(file);
@@ -67,5 +70,16 @@ impl Trade {
         files.extend([table, picture]);
         report.files = files;
         Ok(())
+    }
+
+    /// The file of a choice that stands beside the scene: its results have a folder of their own.
+    fn text_beside(&self, design: &Design) -> Result<String, StudyError> {
+        let mut file = self.file_of(design);
+        let output = file.get_mut("output").and_then(Value::as_table_mut);
+        let directory = output.and_then(|output| output.get_mut("directory"));
+        if let Some(Value::String(directory)) = directory {
+            *directory = format!("{}_trade", directory.trim_end_matches('/'));
+        }
+        self.written(&file)
     }
 }

@@ -1,0 +1,184 @@
+//! What of stages and of recording would go unseen is refused or told.
+
+use powerhouse::{Error, Remark, Results, Scene};
+
+use crate::stages::{MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
+use crate::support::{Folder, run};
+
+/// The trench without bolts.
+fn trench() -> String {
+    let stages = TRENCH
+        .replace("bolts = [\"nail\"]\n", "")
+        .replace("bolts = [\"anchors\"]\n", "");
+    [MATERIALS, ROLLERS, &stages].concat()
+}
+
+/// The ground at rest, all of it of its own material.
+fn ground() -> String {
+    let of_rock = "part = [{ set = \"lining\", material = \"rock\" }]\n";
+    [MATERIALS, &ROLLERS.replace(of_rock, "")].concat()
+}
+
+fn prepared(folder: &Folder, text: &str) -> Result<(), Error> {
+    read(folder, text).and_then(Scene::prepare).map(drop)
+}
+
+/// A history where nothing is when the body moves is refused at its name, whatever says where it is; on a wall,
+/// in what was cast, and over what is left of a set there is something to record.
+#[test]
+fn places_where_nothing_is_are_refused() {
+    let mesh = mesh();
+    let folder = folder(&mesh);
+    let text = trench();
+    let inner = mesh.element_set("inner").unwrap();
+    let node_within = mesh.node_tags()[(0..mesh.node_count())
+        .find(|&n| {
+            (mesh.positions()[n] - powerhouse::model::Vec3::new(8.0, 4.0, 12.0)).norm() < 1e-9
+        })
+        .unwrap()];
+    let element = mesh.element_tags()[inner[0] as usize];
+    let name = "\n[[output.history]]\nname = \"lost\"\n";
+    let relative = "\n[[output.relative]]\nname = \"lost\"\nfrom = [2, 4, 12]\n";
+    for (place, is_there) in [
+        (format!("{name}at = [7, 5, 10]\n"), false),
+        (
+            format!("{name}at = [7, 5, 10]\nquantities = [\"stress\"]\n"),
+            false,
+        ),
+        (format!("{name}element = {element}\n"), false),
+        (format!("{name}set = \"inner\"\n"), true),
+        (format!("{name}set = \"trench\"\n"), true),
+        (format!("{name}at = [8, 5, 10]\n"), true),
+        (
+            format!("{name}at = [8, 5, 10]\nquantities = [\"stress\"]\n"),
+            true,
+        ),
+        (format!("{name}node = {node_within}\n"), true),
+        (
+            format!("{name}at = [5, 5, 10]\nquantities = [\"stress\"]\n"),
+            true,
+        ),
+        (format!("{relative}at = [7, 5, 10]\n"), false),
+        (format!("{relative}at = [8, 5, 10]\n"), true),
+    ] {
+        let whole = format!("{text}{place}");
+        let line = 1 + whole
+            .lines()
+            .position(|line| line == "name = \"lost\"")
+            .unwrap();
+        match prepared(&folder, &whole) {
+            Ok(()) => assert!(is_there, "{place}"),
+            Err(Error::Scene(fault)) => {
+                assert!(!is_there, "{place}: {fault}");
+                assert!(fault.to_string().contains("where nothing is"), "{fault}");
+                assert_eq!(fault.position().0, line, "{fault}");
+            }
+            Err(other) => panic!("{place}: {other}"),
+        }
+    }
+    // Without its stages all of it is there.
+    let open = text.find("\n[[stage]]").unwrap();
+    let in_situ = text.find("[in_situ_stress]").unwrap()..text.find("[boundary]").unwrap();
+    let mut plain = text[..open].to_owned();
+    plain.replace_range(in_situ, "");
+    prepared(&folder, &format!("{plain}{name}at = [7, 5, 10]\n")).unwrap();
+}
+
+/// A material that a stage gives to a part of which nothing is there is refused: it would do nothing.
+#[test]
+fn a_material_of_what_is_not_there_is_refused() {
+    let folder = folder(&mesh());
+    // The lining is never excavated, so that it is not there before it is cast.
+    let stages = "[[stage]]\nname = \"room\"\nexcavate = [\"inner\"]\n[[stage]]\nname = \"support\"\ncast = [\"lining\"]\n";
+    let text = [MATERIALS, ROLLERS, stages].concat();
+    let Err(Error::Scene(fault)) = prepared(&folder, &text) else {
+        panic!("accepted");
+    };
+    let told = fault.to_string();
+    assert!(
+        told.contains("no element of part 'lining' is there"),
+        "{told}"
+    );
+    let line = 1 + text
+        .lines()
+        .position(|line| line.starts_with("part = ["))
+        .unwrap();
+    assert_eq!(fault.position().0, line, "{told}");
+    // In the stage that casts it, and where it is excavated first, it has a material.
+    let cast = text.replacen(
+        "part = [{ set = \"lining\", material = \"rock\" }]\n",
+        "",
+        1,
+    );
+    prepared(&folder, &cast).unwrap();
+    let soft = "cast = [\"lining\"]\npart = [{ set = \"lining\", material = \"rock\" }]\n";
+    prepared(&folder, &cast.replacen("cast = [\"lining\"]\n", soft, 1)).unwrap();
+    prepared(&folder, &trench()).unwrap();
+}
+
+fn found(text: &str) -> (Results, Vec<Remark>) {
+    let mesh = mesh();
+    let folder = folder(&mesh);
+    let results = run(read(&folder, text).unwrap());
+    let doubts = results.doubts(&mesh);
+    (results, doubts)
+}
+
+/// A stress of the ground that does not agree with its weight is told with the share of the load that it leaves
+/// out of balance; one that agrees, and a first stage that excavates, are not.
+#[test]
+fn a_stress_that_contradicts_gravity_is_told() {
+    let share_of = |text: &str| {
+        let (results, doubts) = found(text);
+        let told = doubts.iter().find_map(|doubt| match doubt {
+            Remark::Unbalanced { share, stage, .. } => {
+                assert_eq!(stage, "ground");
+                assert!(doubt.is_warning());
+                Some(*share)
+            }
+            _ => None,
+        });
+        (results.stages[0].solution.unbalanced, told)
+    };
+    let text = ground();
+    // The lining is lighter than the ground that the stress is of.
+    let (share, told) = share_of(&text);
+    assert!(share < 0.02 && told.is_none(), "{share:e}");
+    // A density that is a fifth too small: so much of the weight hangs.
+    let lighter = text.replacen(
+        "level = 12\ndensity = 2600",
+        "level = 12\ndensity = 2080",
+        1,
+    );
+    assert_ne!(lighter, text);
+    let (share, told) = share_of(&lighter);
+    assert!((share - 0.2).abs() < 0.03 && told == Some(share), "{share}");
+    let dug = lighter.replacen(
+        "name = \"ground\"\n",
+        "name = \"ground\"\nexcavate = [\"trench\"]\n",
+        1,
+    );
+    assert!(share_of(&dug).1.is_none());
+}
+
+/// Accelerations that vary faster than they are recorded are told, of histories and of envelopes; those recorded
+/// often enough are not.
+#[test]
+fn rare_samples_are_told() {
+    let push = "[[load]]\nkind = \"nodal\"\nset = \"top\"\nforce = [1e4, 0, 0]\nfunction = { kind = \"ricker\", frequency = 10, delay = 0.15 }\n";
+    for (every, rare) in [(0.002, false), (0.006, false), (0.06, true)] {
+        let text = [&ground(), push].concat().replacen(
+            "every = 0.01\n",
+            &format!("every = {every}\nenvelope = {{ quantities = [\"acceleration\"], every = {every} }}\n"),
+            1,
+        );
+        let (_, doubts) = found(&text);
+        let of_history = doubts
+            .iter()
+            .any(|doubt| matches!(doubt, Remark::Undersampled { name, .. } if name == "corner"));
+        let of_envelope = doubts
+            .iter()
+            .any(|doubt| matches!(doubt, Remark::RareLooks { .. }));
+        assert_eq!([of_history, of_envelope], [rare; 2], "{every}: {doubts:?}");
+    }
+}
