@@ -55,7 +55,7 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
         None => None,
     };
     let mut warnings = powerhouse_study::warnings(&scene)?;
-    if let Some(format) = FormatError::of(&scene)?.filter(FormatError::is_large) {
+    if let Some(format) = FormatError::of(&scene)?.filter(FormatError::is_doubtful) {
         warnings.push(Warning::Format(format));
     }
     let size = OutputSize::of(&scene)?;

@@ -80,7 +80,7 @@ pub enum Warning {
         /// The run's duration (s).
         duration: f64,
     },
-    /// A number format that errs by more than it is documented to.
+    /// A number format of which the error is unknown, or larger than it is documented to be.
     Format(FormatError),
     /// No field, load, weight or prescribed motion: nothing moves.
     Undriven,
@@ -142,7 +142,7 @@ impl fmt::Display for Warning {
             ),
             Self::Format(format) => write!(
                 f,
-                "{format}; it is documented to err by at most {}: take `precision = \"f64\"`",
+                "{format}; elsewhere it errs by at most {} of a history: `precision = \"f64\"` does not err so",
                 format.documented
             ),
             Self::Undriven => f.write_str("nothing drives this scene"),
@@ -238,8 +238,8 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     };
     let timing = (step, steps, of_step);
     let (savings, format) = survey.best(&stable, &resolution, &mut clock, timing);
-    let large = format.iter().filter(|format| format.is_large());
-    warnings.extend(large.cloned().map(Warning::Format));
+    let doubtful = format.iter().filter(|format| format.is_doubtful());
+    warnings.extend(doubtful.cloned().map(Warning::Format));
     Ok(CheckReport {
         title,
         nodes: mesh.node_count(),

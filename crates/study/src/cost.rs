@@ -36,10 +36,11 @@ const WARM_UP: u64 = 5;
 const CLOCK: Duration = Duration::from_millis(400);
 const SHARE_OF_RUN: f64 = 0.05;
 /// Turns in which the steps of two simulations are timed, the time that one of them lasts, and the share of
-/// the run that it takes at most.
-const TURNS: u64 = 5;
-const TURN: Duration = Duration::from_millis(120);
+/// the run that it takes at most, unless that is too short for a clock.
+const TURNS: u64 = 7;
+const TURN: Duration = Duration::from_millis(90);
 const SHARE_OF_TURN: f64 = 0.01;
+const SHORTEST_TURN: Duration = Duration::from_millis(40);
 /// A turn of fewer steps tells nothing.
 const LEAST_TURN: u64 = 4;
 
@@ -97,15 +98,17 @@ impl<'a> Clock<'a> {
     }
 
     /// The time of a step over that of another simulation, one of whose steps takes `of_step`: both take
-    /// their turns, and the middle one of each counts, so that what else the machine does falls on both
-    /// alike or on neither. Nothing if their runs have too few steps.
+    /// their turns, and the middle one of the ratios of neighbouring turns counts, so that what else the
+    /// machine does falls on both alike or on neither. Nothing if their runs have too few steps.
     pub(crate) fn ratio_to(
         &mut self,
         other: &mut Clock<'_>,
         of_step: Duration,
     ) -> Result<Option<f64>, StudyError> {
-        let wanted = TURN.as_secs_f64() / of_step.as_secs_f64().max(1e-9);
+        let of_step = of_step.as_secs_f64().max(1e-9);
+        let wanted = TURN.as_secs_f64() / of_step;
         let most = SHARE_OF_TURN * self.steps.min(other.steps) as f64;
+        let most = most.max(SHORTEST_TURN.as_secs_f64() / of_step);
         let room = self.left.min(other.left) / (TURNS + 1);
         let count = wanted.min(most.max(LEAST_TURN as f64)).ceil() as u64;
         let count = count.min(room.saturating_sub(2));
@@ -115,16 +118,15 @@ impl<'a> Clock<'a> {
         let warm = count.min(WARM_UP);
         self.time(warm)?;
         other.time(warm)?;
-        let mut times = [Vec::new(), Vec::new()];
+        let mut ratios = Vec::new();
         for _ in 0..TURNS {
-            times[0].push(self.time(count)?);
-            times[1].push(other.time(count)?);
+            let own = self.time(count)?.as_secs_f64();
+            let others = other.time(count)?.as_secs_f64();
+            ratios.push(own / others);
         }
-        let [own, others] = times.map(|mut times| {
-            times.sort_unstable();
-            times[times.len() / 2].as_secs_f64()
-        });
-        Ok((others > 0.0).then(|| own / others))
+        ratios.sort_by(f64::total_cmp);
+        let middle = ratios[ratios.len() / 2];
+        Ok(middle.is_finite().then_some(middle))
     }
 }
 

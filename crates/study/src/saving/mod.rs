@@ -190,11 +190,11 @@ pub struct FormatError {
 }
 
 impl FormatError {
-    /// Whether the scene is predicted to err by more than is documented.
+    /// Whether it is unknown, or larger than is documented.
     #[must_use]
-    pub fn is_large(&self) -> bool {
-        let share = self.error.share.or(self.error.least);
-        share.is_some_and(|share| share > self.documented || share.is_nan())
+    pub fn is_doubtful(&self) -> bool {
+        let share = self.error.share;
+        share.is_none_or(|share| share > self.documented || share.is_nan())
     }
 
     /// The format of a scene, if it is not double precision, and its documented error.

@@ -6,10 +6,11 @@
 //!
 //! *Rounding grows with the run.* Each step adds an error that does not depend on the last, proportional to
 //! the strain or the velocity of the moment and so to the velocity of the ground; undamped elements keep
-//! what they got, so that the variance of the error at a time is the sum over all steps before. What the field that comes in does at the structure, known for the whole run, gives the
-//! ratio of these sums, and of the motion that they are relative to, between window and run. Without such a
-//! field motion and rounding are taken to be as strong all along. Where damping takes the error away the
-//! whole run errs by less.
+//! what they got, so that the variance of the error at a time is the sum over all steps before. What the field
+//! that comes in does at the structure, known for the whole run, gives the ratio of these sums, and of the
+//! motion that they are relative to, between window and run. Without such a field motion and rounding are taken
+//! to be as strong all along. Where parts are damped the errors of earlier steps fade; how fast shows in how
+//! much more the window errs than its first half.
 //!
 //! *Number formats are compared at one step*, a little shorter than the stable one: theirs differ in the last
 //! digits that the power iteration finds, and accelerations at instants that differ are no error of a format.
@@ -24,7 +25,7 @@ use powerhouse::model::{FieldMotion, Vec3};
 use powerhouse::{RunHooks, Scene, Simulation, TimeStep};
 
 use crate::registry;
-use crate::trade::{columns, misfits};
+use crate::trade::{Misfit, columns, misfits};
 
 /// The share of a run that is spent on a window of it, and the least time of all windows together.
 const SHARE: f64 = 0.04;
@@ -117,6 +118,7 @@ pub(crate) struct Window {
     step: f64,
     field: Option<Intensities>,
     amplifies: bool,
+    damped: bool,
     reference: Result<Vec<TableColumn>, &'static str>,
 }
 
@@ -143,6 +145,7 @@ impl Window {
             step: SHORTER * step,
             field: facts.field.clone(),
             amplifies: facts.amplifies,
+            damped: facts.damped,
             file,
             length,
             reference,
@@ -178,6 +181,19 @@ impl Window {
         (growth == Growth::OfRounding).then_some(self.step)
     }
 
+    /// How fast the errors of earlier steps fade (1/duration of the run), from what a history errs by in the
+    /// first half of the window and in all of it.
+    fn fading(&self, whole: &Misfit, halves: &[Misfit]) -> f64 {
+        let half = halves.iter().find(|half| half.name == whole.name);
+        match (half, &self.field) {
+            (Some(half), Some(field)) if half.difference > 0.0 => field.fading(
+                self.length / self.file.duration,
+                whole.difference / half.difference,
+            ),
+            _ => 0.0,
+        }
+    }
+
     fn largest(
         &self,
         reference: &[TableColumn],
@@ -187,13 +203,17 @@ impl Window {
         let (length, duration) = (self.length, self.file.duration);
         let whole = length >= duration;
         let predicted = !whole && growth != Growth::Unknown;
+        let halves = match self.damped {
+            true => misfits(&first_half(reference), found),
+            false => Vec::new(),
+        };
         let mut worst: Option<(f64, String)> = None;
         for misfit in misfits(reference, found) {
             let factor = match (predicted, &self.field) {
                 (false, _) => 1.0,
                 (true, None) => (duration / length).sqrt(),
                 (true, Some(field)) => field
-                    .growth(&misfit.name, length / duration)
+                    .growth(&misfit.name, length / duration, self.fading(&misfit, &halves))
                     .ok_or("the waves hardly reach the structure in the part of the run that can be afforded")?,
             };
             let share = factor * misfit.error;
@@ -214,6 +234,18 @@ impl Window {
     }
 }
 
+/// The rows of a table in the first half of its time.
+fn first_half(table: &[TableColumn]) -> Vec<TableColumn> {
+    let times = table.first().map_or(&[][..], |time| &time.values);
+    let middle = times.last().map_or(0.0, |end| 0.5 * end);
+    let rows = times.partition_point(|time| *time <= middle);
+    let half = |column: &TableColumn| {
+        let values = column.values[..rows].to_vec();
+        TableColumn::new(column.name.clone(), column.unit.clone(), values)
+    };
+    table.iter().map(half).collect()
+}
+
 /// The histories of the first part (s) of a run, with a step (s) of its own unless that is unstable; none if
 /// it cannot be run.
 fn histories(file: &SceneFile, length: f64, step: Option<f64>) -> Option<Vec<TableColumn>> {
@@ -231,6 +263,7 @@ fn histories(file: &SceneFile, length: f64, step: Option<f64>) -> Option<Vec<Tab
 pub(crate) struct Facts {
     field: Option<Intensities>,
     amplifies: bool,
+    damped: bool,
     /// What keeps a window from being run.
     pub(super) obstacle: Option<&'static str>,
 }
@@ -245,7 +278,9 @@ impl Facts {
         let obstacle = if !records {
             Some("the scene records no histories")
         } else if !scene.stages().is_empty() {
-            Some("its stages would have to be gone through first")
+            Some(
+                "its stages would have to be gone through first, and where anything yields, cracks or slips rounding may grow to the size of the accelerations",
+            )
         } else {
             None
         };
@@ -254,6 +289,7 @@ impl Facts {
                 None => Intensities::of(scene),
                 Some(_) => None,
             },
+            damped: (scene.parts().iter()).any(|part| part.damping != powerhouse::Damping::None),
             amplifies: scene.joints().next().is_some()
                 || scene.parts().iter().any(|part| !part.material.is_linear()),
             obstacle,
@@ -290,9 +326,41 @@ impl Intensities {
         Some(Self(squares.collect()))
     }
 
-    /// By how much the relative error of a history grows from a share of the run to the whole; none if too
-    /// little moves in that share.
-    fn growth(&self, history: &str, share: f64) -> Option<f64> {
+    /// The sum over a first part of the run of the variance of an error that every instant adds to in
+    /// proportion to the velocity squared, and that fades at a rate (1/duration of the run).
+    fn noise(&self, end: usize, fading: f64) -> f64 {
+        let kept = (-2.0 * fading / INSTANTS as f64).exp();
+        let (mut added, mut noise) = (0.0, 0.0);
+        for squares in &self.0[..=end] {
+            added = kept * added + squares[1];
+            noise += added;
+        }
+        noise
+    }
+
+    /// The rate of fading (1/duration of the run) at which the noise of a share of the run is so many times
+    /// that of half of it; zero if it would have to grow.
+    fn fading(&self, share: f64, ratio: f64) -> f64 {
+        let end = ((share * INSTANTS as f64) as usize).clamp(2, INSTANTS);
+        let is_slower = |rate: f64| self.noise(end, rate) / self.noise(end / 2, rate) > ratio;
+        // At the fastest one nothing is left after an instant.
+        let (mut slow, mut fast) = (0.0, INSTANTS as f64);
+        if !is_slower(slow) {
+            return 0.0;
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (slow + fast);
+            match is_slower(middle) {
+                true => slow = middle,
+                false => fast = middle,
+            }
+        }
+        slow
+    }
+
+    /// By how much the relative error of a history, that fades at a rate, grows from a share of the run to
+    /// the whole; none if too little moves in that share.
+    fn growth(&self, history: &str, share: f64, fading: f64) -> Option<f64> {
         let of_signal = if history.ends_with("[m]") {
             0
         } else if history.ends_with("[m/s2]") {
@@ -302,13 +370,11 @@ impl Intensities {
         };
         let end = ((share * INSTANTS as f64) as usize).clamp(1, INSTANTS);
         let sums = |end: usize| {
-            let (mut added, mut noise, mut signal) = (0.0, 0.0, 0.0);
-            for squares in &self.0[..=end] {
-                added += squares[1];
-                noise += added;
-                signal += squares[of_signal];
-            }
-            [noise, signal]
+            let signal: f64 = self.0[..=end]
+                .iter()
+                .map(|squares| squares[of_signal])
+                .sum();
+            [self.noise(end, fading), signal]
         };
         let (window, run) = (sums(end), sums(INSTANTS));
         let tells = window
@@ -332,16 +398,36 @@ mod tests {
         };
         let steady = of(|_| 1.0);
         for share in [0.01_f64, 0.1, 0.5, 1.0] {
-            let found = steady.growth("a [m/s2]", share);
+            let found = steady.growth("a [m/s2]", share, 0.0);
             let expected = (1.0 / share).sqrt();
             assert!((found.unwrap() / expected - 1.0).abs() < 0.03, "{share}");
         }
         let ends = of(|i| if i < INSTANTS / 10 { 1.0 } else { 0.0 });
-        let found = ends.growth("a [m/s2]", 0.1).unwrap();
+        let found = ends.growth("a [m/s2]", 0.1, 0.0).unwrap();
         // A tenth of the run with half of its sum on average, nine tenths with all of it.
         let expected = ((0.05 + 0.9) / 0.05_f64).sqrt();
         assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
         let late = of(|i| if i > INSTANTS / 2 { 1.0 } else { 0.0 });
-        assert_eq!(late.growth("a [m]", 0.4), None);
+        assert_eq!(late.growth("a [m]", 0.4, 0.0), None);
+    }
+
+    /// The rate at which noise fades is found again from how it grows within a window, whatever the motion; noise that
+    /// fades fast grows with the motion alone.
+    #[test]
+    fn fading_is_found_from_the_window() {
+        for motion in [|_: usize| 1.0, |i: usize| (i as f64).powi(2)] {
+            let field = Intensities((0..=INSTANTS).map(|i| [motion(i); 3]).collect());
+            for rate in [3.0, 30.0, 200.0] {
+                let share = 0.1;
+                let end = (share * INSTANTS as f64) as usize;
+                let ratio = field.noise(end, rate) / field.noise(end / 2, rate);
+                let found = field.fading(share, ratio);
+                assert!((found / rate - 1.0).abs() < 1e-6, "{found} {rate}");
+            }
+            assert_eq!(field.fading(0.1, 1e6), 0.0);
+        }
+        let steady = Intensities((0..=INSTANTS).map(|_| [1.0; 3]).collect());
+        let found = steady.growth("a [m/s2]", 0.1, 1e3).unwrap();
+        assert!((found - 1.0).abs() < 0.05, "{found}");
     }
 }

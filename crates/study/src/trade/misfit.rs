@@ -19,6 +19,8 @@ const WITHOUT_UNIT: &str = "1";
 pub(crate) struct Misfit {
     /// The relative L2 difference.
     pub(crate) error: f64,
+    /// The squares of all differences, summed.
+    pub(crate) difference: f64,
     /// The history.
     pub(crate) name: String,
 }
@@ -31,6 +33,7 @@ pub(super) fn misfit(
 ) -> Misfit {
     let mut worst = Misfit {
         error: 0.0,
+        difference: 0.0,
         name: String::new(),
     };
     for other in misfits(reference, found) {
@@ -56,6 +59,7 @@ pub(crate) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<M
     let ([time, columns @ ..], [other, others @ ..]) = (reference, found) else {
         return vec![Misfit {
             error: f64::INFINITY,
+            difference: f64::INFINITY,
             name: String::new(),
         }];
     };
@@ -93,6 +97,7 @@ pub(crate) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<M
         if size != 0.0 {
             misfits.push(Misfit {
                 error: (group.difference / size).sqrt(),
+                difference: group.difference,
                 name: group.name(),
             });
         }

@@ -71,7 +71,7 @@ use case::{Bench, Bodies, Finished};
 pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
 use finer_mesh::{OF_HALF_THE_SIZE, REFINED};
-pub(crate) use misfit::misfits;
+pub(crate) use misfit::{Misfit, misfits};
 use plan::{Design, Outlook};
 use quantity::Compared;
 pub use quantity::Quantity;
