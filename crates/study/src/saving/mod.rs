@@ -34,9 +34,9 @@ use variant::Files;
 pub use window::MeasuredError;
 use window::{Facts, Growth, Window};
 
-/// So many are named, and none that saves less than this share of the time.
+/// So many are named, and none that saves less than this share of the time: turns of a clock tell no less.
 const MOST: usize = 3;
-const LEAST: f64 = 0.05;
+const LEAST: f64 = 0.1;
 /// Elements worth making larger are at most this share of all, and let the step grow by more than this.
 const FEW: f64 = 0.05;
 const WORTH: f64 = 1.1;
