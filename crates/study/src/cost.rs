@@ -38,7 +38,7 @@ const SHARE_OF_RUN: f64 = 0.05;
 /// Turns in which the steps of two simulations are timed, the time that one of them lasts, and the share of
 /// the run that it takes at most, unless that is too short for a clock.
 const TURNS: u64 = 7;
-const TURN: Duration = Duration::from_millis(90);
+const TURN: Duration = Duration::from_millis(60);
 const SHARE_OF_TURN: f64 = 0.01;
 const SHORTEST_TURN: Duration = Duration::from_millis(40);
 /// A turn of fewer steps tells nothing.

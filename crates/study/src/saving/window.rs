@@ -28,7 +28,7 @@ use crate::registry;
 use crate::trade::{Misfit, columns, misfits};
 
 /// The share of a run that is spent on a window of it, and the least time of all windows together.
-const SHARE: f64 = 0.04;
+const SHARE: f64 = 0.02;
 const LEAST: Duration = Duration::from_millis(1200);
 /// Instants at which the field that comes in is looked at.
 const INSTANTS: usize = 4000;
