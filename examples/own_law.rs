@@ -3,7 +3,7 @@
 //!
 //! Builds on `free_field`. Soil that softens in shear: the modulus falls with the shear strain
 //! `gamma` as `G / (1 + gamma / gamma_ref)` (the hyperbola of Hardin & Drnevich, 1972). The first
-//! form has no memory. The second remembers the largest shear strain so far and keeps the modulus
+//! form has no memory. The second keeps the largest shear strain so far and keeps the modulus
 //! that goes with it; what it takes when it softens further is damage. The third is the second for
 //! as many elements at once as the processor takes, and gives the same bits.
 //!
@@ -65,11 +65,11 @@ impl PointLaw for Hyperbolic {
     }
 }
 
-/// Soil that remembers the largest shear strain so far, for any lane.
+/// Soil that keeps the largest shear strain so far, for any lane.
 #[derive(Clone)]
 struct Remembering(Hyperbolic);
 
-/// What it remembers: a name, a unit, and how results show it.
+/// Its history variable: a name, a unit, and how results show it.
 const MEMORY: [HistoryVariable; 1] = [HistoryVariable::amount("largest_shear_strain", "1")];
 
 impl Remembering {
@@ -252,7 +252,7 @@ fn figures() -> Outcome<Figures> {
     figures.report(
         "own_law.memory.largest_strain",
         strains.last().copied().unwrap_or_default(),
-        "the top of the soil remembers",
+        "the history variable at the top of the soil",
     );
     let energy = |name: &str| -> Outcome<f64> {
         let terms = wide.energy_terms();

@@ -32,7 +32,7 @@ use powerhouse::wavefield::{
     PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
 use powerhouse::{
-    Boundary, Damping, EnvelopeWish, InitialMotion, Material, OutputPlan, Part, ResidualLimit,
+    Boundary, Damping, EnvelopeRequest, InitialMotion, Material, OutputPlan, Part, ResidualLimit,
     RunHooks, Scene, SceneJoint, TimeStep,
 };
 use powerhouse_examples::process::{apart_from_this, most_memory};
@@ -164,7 +164,7 @@ impl Class {
         let top = mesh.nodes_in_box(&centre, &centre);
         let mut output = OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT);
         if self == Self::Watched {
-            output.envelope = Some(EnvelopeWish {
+            output.envelope = Some(EnvelopeRequest {
                 motion: Motion::ALL,
                 stress: true,
                 sets: Vec::new(),

@@ -269,7 +269,7 @@ fn so_do_laws_with_damage() {
 }
 
 /// The same of laws that are solved for one unknown, and of one with damping in series, whose
-/// mechanisms remember too.
+/// mechanisms have history variables too.
 #[test]
 fn so_do_laws_that_are_iterated_and_damped() {
     let mass = HoekBrown::new(HoekBrownParameters {

@@ -7,7 +7,7 @@ use crate::terminal::say;
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
 use powerhouse::{
-    Error, Remark, Results, RunNotes, Simulation, StageAtRest, StageOverview, Topic, together,
+    CompletedStage, Error, Remark, Results, RunNotes, Simulation, StageOverview, Topic, together,
 };
 use powerhouse_study::{CheckReport, FreeFieldReport, PointError, StaticCost, Warning};
 
@@ -247,7 +247,7 @@ fn stages(stages: &[StageOverview]) {
 }
 
 /// What a stage came to.
-pub(crate) fn stage(stage: &StageAtRest) {
+pub(crate) fn stage(stage: &CompletedStage) {
     let (report, solution) = (stage.report, &stage.report.solution);
     say!(
         "stage {} of {}, '{}': {} increments, {} corrections, {:.1e} of the load out of balance, moved by {:.3e} m at node {}",
@@ -312,7 +312,7 @@ fn bolts(results: &Results) {
     }
 }
 
-/// What has become of joints.
+/// Final contact state and peak values of joints.
 fn joints(mesh: &Mesh, results: &Results) {
     let outcomes = &results.joint_outcomes;
     if !outcomes.is_empty() {

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
-use powerhouse::{Error, ResultFolder, RunHooks, RunNotes, StageAtRest, StageSink};
+use powerhouse::{CompletedStage, Error, ResultFolder, RunHooks, RunNotes, StageSink};
 use powerhouse_study::saving::FormatError;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
@@ -36,7 +36,7 @@ impl StageSink for Stages {
         self.resting.tell(stage, &progress);
         self.files.progress(stage, progress);
     }
-    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         self.resting.clear();
         self.bars.suspend(|| report::stage(stage));
         self.files.at_rest(stage)

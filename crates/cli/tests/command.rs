@@ -386,7 +386,7 @@ fn schema_is_printed() {
 }
 
 /// `drive` leads a point of a scene's material along a path: the paper's concrete opens, closes and
-/// crushes; its table holds what the law remembers, and a fault of the path is shown at its place.
+/// crushes; its table holds the law's history variables, and a fault of the path is shown at its place.
 #[test]
 fn drive_leads_a_point() {
     let scene = Scene::new("drive", |scene| {

@@ -55,7 +55,7 @@ pub(crate) struct AppliedLoads {
     loads: Vec<Box<dyn NodalLoad>>,
     /// How many of them are the model's own; boundaries bring the others.
     own: usize,
-    /// Forces (N) that act beside the loads, one per engine node; empty if there are none.
+    /// Nodal forces (N) carried over from a static solution, one per engine node; empty if there are none.
     standing: Vec<Vec3>,
     pub(crate) sums: LoadSums,
 }
@@ -113,7 +113,8 @@ impl AppliedLoads {
         &self.standing
     }
 
-    /// Lets forces act beside the loads from now on.
+    /// Sets the nodal forces (N) that are carried over from a static solution, reactions and residual, and
+    /// act beside the loads from now on.
     pub(crate) fn set_standing(
         &mut self,
         forces: Vec<Vec3>,

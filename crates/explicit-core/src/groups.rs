@@ -1,4 +1,5 @@
-//! Nodes that need more than a mass: impedances, supports, prescribed motion, ties, constraints.
+//! Constrained nodes: those with boundary impedance, supports, prescribed motion, ties or constraints, in groups
+//! that move as one.
 
 use core::ops::Range;
 
@@ -10,11 +11,11 @@ use crate::constrained::{ConstrainedMotion, ConstrainedNodes, TILE};
 use crate::effective_mass::inverse;
 use crate::gather::{CHUNK, SlotTable};
 use crate::nodes::{NodalArrays, Storage};
-use crate::sliders::{Slider, Sliders};
+use crate::roller_nodes::{RollerNode, RollerNodes};
 use crate::support::Condition;
 
-/// The mass of a node without elements over the least of one with some, as constraints see it.
-const GHOST: f64 = 1e-12;
+/// Pseudo-mass of an orphan node (one without active elements), over the least mass of a node of the model.
+const ORPHAN_MASS: f64 = 1e-12;
 
 /// What a group of nodes that move as one has. Most groups have one member.
 #[derive(Clone, Debug, Default)]
@@ -77,7 +78,7 @@ impl Group {
     /// to nothing in the directions that are free, so that it follows what it is joined to and bears
     /// nothing. The least mass of a node of the model is `least` (kg).
     pub(crate) fn ghost(&self, least: f64) -> Option<Mat3> {
-        let nothing = || Mat3::identity() / (GHOST * least);
+        let nothing = || Mat3::identity() / (ORPHAN_MASS * least);
         (self.mass <= 0.0).then(|| self.condition.project(&nothing()).0)
     }
 
@@ -133,7 +134,7 @@ impl Group {
     }
 }
 
-/// What the pass over all nodes needs to know of the groups. The last groups may be sliders, which it
+/// What the pass over all nodes needs to know of the groups. The last groups may be roller nodes, which it
 /// moves by itself; the others are kicked before it.
 #[derive(Default)]
 pub(crate) struct GroupMotion {
@@ -142,7 +143,7 @@ pub(crate) struct GroupMotion {
     /// Members in each chunk of nodes.
     chunks: Vec<Range<u32>>,
     /// The nodes that are held along axes and have nothing else.
-    pub(crate) sliders: Sliders,
+    pub(crate) roller_nodes: RollerNodes,
     /// Displacement (m) of the nodes of constraints, by group.
     displacement: Vec<Vec3>,
     /// The length (s) of the last step, if nodes have moved by it and by nothing else since: their
@@ -161,10 +162,10 @@ impl GroupMotion {
         let slides = |group: &Group| group.held_axes().is_some();
         let others = &groups[constrained..];
         let kicked = constrained + others.iter().take_while(|group| !slides(group)).count();
-        let sliders = (groups[kicked..].iter())
+        let roller_nodes = (groups[kicked..].iter())
             .filter_map(|group| {
                 let (node, held) = (group.members[0], group.held_axes()?);
-                Some(Slider { node, held })
+                Some(RollerNode { node, held })
             })
             .collect();
         let mut members: Vec<(u32, u32)> = groups[..kicked]
@@ -180,7 +181,7 @@ impl GroupMotion {
         Self {
             chunks,
             members,
-            sliders: Sliders::new(sliders, node_count),
+            roller_nodes: RollerNodes::new(roller_nodes, node_count),
             displacement: vec![Vec3::zeros(); constrained],
             moved: None,
             previous: vec![Vec3::zeros(); kicked],
@@ -216,12 +217,12 @@ impl GroupMotion {
     }
 }
 
-/// What the kick of a group and its work need if all its matrices are diagonal and it has one member,
-/// as on the faces of a box: two lines of cache instead of eight.
+/// Coefficients of a group of one node whose matrices are all diagonal, as on the faces of a box: two lines of
+/// cache instead of eight.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Light {
+pub(crate) struct DiagonalGroup {
     lead: u32,
-    diagonal: bool,
+    is_diagonal: bool,
     /// Whether it has a prescribed motion.
     driven: bool,
     carry: Vec3,
@@ -233,7 +234,7 @@ pub(crate) struct Light {
     pub(crate) mass_damping: f64,
 }
 
-impl Light {
+impl DiagonalGroup {
     fn new(group: &Group, matrices: &Coefficients, step: f64) -> Self {
         let is_diagonal = |m: &Mat3| *m == Mat3::from_diagonal(&m.diagonal());
         let all = [
@@ -244,7 +245,7 @@ impl Light {
         ];
         Self {
             lead: group.members[0],
-            diagonal: group.members.len() == 1 && all.into_iter().all(is_diagonal),
+            is_diagonal: group.members.len() == 1 && all.into_iter().all(is_diagonal),
             carry: matrices.carry.diagonal(),
             response: matrices.inverse.diagonal() * step,
             spring: group.spring.diagonal(),
@@ -261,7 +262,7 @@ pub(crate) struct Groups {
     pub(crate) groups: Vec<Group>,
     pub(crate) motion: GroupMotion,
     pub(crate) coefficients: Vec<Coefficients>,
-    light: Vec<Light>,
+    diagonal: Vec<DiagonalGroup>,
     /// The nodes of constraints; their groups come first.
     constrained: ConstrainedNodes,
     /// Displacement (m) from which the springs are measured.
@@ -272,13 +273,13 @@ pub(crate) struct Groups {
 
 impl Groups {
     /// Groups of a body; the first ones are those of the nodes of constraints, in the same order, the
-    /// last ones those of sliders in rising order of nodes.
+    /// last ones those of roller nodes in rising order of nodes.
     pub(crate) fn new(groups: Vec<Group>, constrained: &[u32], slots: &SlotTable) -> Self {
         Self {
             motion: GroupMotion::new(&groups, constrained.len(), slots.node_count()),
             constrained: ConstrainedNodes::new(constrained, &groups, slots),
             coefficients: Vec::new(),
-            light: Vec::new(),
+            diagonal: Vec::new(),
             origin: vec![Vec3::zeros(); groups.len()],
             driven: (0..groups.len() as u32)
                 .filter(|&g| !groups[g as usize].condition.prescribed.is_empty())
@@ -287,7 +288,7 @@ impl Groups {
         }
     }
 
-    /// How many groups are kicked before the pass over the nodes: all but the sliders.
+    /// How many groups are kicked before the pass over the nodes: all but the roller nodes.
     pub(crate) fn kicked(&self) -> usize {
         self.motion.next.len()
     }
@@ -312,8 +313,8 @@ impl Groups {
             .par_iter()
             .map(|group| group.coefficients(rule, step))
             .collect();
-        self.light = (self.groups.iter().zip(&self.coefficients))
-            .map(|(group, matrices)| Light::new(group, matrices, step))
+        self.diagonal = (self.groups.iter().zip(&self.coefficients))
+            .map(|(group, matrices)| DiagonalGroup::new(group, matrices, step))
             .collect();
         self.constrained.prepare(&self.groups, rule, step);
     }
@@ -321,10 +322,10 @@ impl Groups {
     /// What a group needs that belongs to no constraint, follows no prescribed motion and acts along each
     /// axis by itself, and how far its spring was stretched at the last kick (m).
     #[inline]
-    pub(crate) fn light(&self, group: usize) -> Option<(&Light, &Vec3)> {
+    pub(crate) fn diagonal_group(&self, group: usize) -> Option<(&DiagonalGroup, &Vec3)> {
         let stretch = &self.motion.stretch[group.checked_sub(self.constrained.count())?];
-        let light = &self.light[group];
-        (light.diagonal && !light.driven).then_some((light, stretch))
+        let group = &self.diagonal[group];
+        (group.is_diagonal && !group.driven).then_some((group, stretch))
     }
 
     /// The effective mass (kg) of the group of a constraint's node that has nothing but a mass.
@@ -345,22 +346,22 @@ impl Groups {
             groups,
             motion,
             coefficients,
-            light,
+            diagonal,
             constrained,
             origin,
             ..
         } = self;
         // Velocity before and after the step, and how far the spring is stretched.
         let kicked = |g: usize| -> [Vec3; 3] {
-            let light = &light[g];
-            let lead = light.lead as usize;
+            let group = &diagonal[g];
+            let lead = group.lead as usize;
             let mut force = applied(g) - arrays.internal(slots, lead);
             let stretch = arrays.displacement[lead].to_vector() - origin[g];
             let previous = arrays.velocity[lead].to_vector();
-            if light.diagonal {
-                force -= light.spring.component_mul(&stretch);
-                let carried = light.carry.component_mul(&previous);
-                let next = carried + light.response.component_mul(&force);
+            if group.is_diagonal {
+                force -= group.spring.component_mul(&stretch);
+                let carried = group.carry.component_mul(&previous);
+                let next = carried + group.response.component_mul(&force);
                 return [previous, next, stretch];
             }
             let (group, matrices) = (&groups[g], &coefficients[g]);

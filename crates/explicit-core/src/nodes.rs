@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::gather::{CHUNK, Gather, SlotTable};
 use crate::groups::GroupMotion;
-use crate::sliders::hold;
+use crate::roller_nodes::hold;
 
 /// A number format that nodes can be kept in.
 pub(crate) trait Storage:
@@ -190,9 +190,9 @@ impl<S: Storage> NodalArrays<S> {
             .into_par_iter()
             .map(|chunk| {
                 let mut sums = [0.0; 5];
-                let mut sliders = groups.sliders.in_chunk(chunk);
+                let mut roller_nodes = groups.roller_nodes.in_chunk(chunk);
                 gather.for_chunk(chunk, &self.forces, |first, internal| {
-                    sliders = hold(sliders, first, internal, &self.external);
+                    roller_nodes = hold(roller_nodes, first, internal, &self.external);
                     for (i, internal) in internal.iter().enumerate() {
                         let node = first + i;
                         if grouped(node) {
@@ -234,7 +234,12 @@ impl<S: Storage> NodalArrays<S> {
         node: usize,
     ) -> Vec3 {
         let mut internal = [slots.sum(node, &self.forces)];
-        hold(groups.sliders.of(node), node, &mut internal, &self.external);
+        hold(
+            groups.roller_nodes.of(node),
+            node,
+            &mut internal,
+            &self.external,
+        );
         self.next_of(node, &internal[0].values)
     }
 
@@ -291,13 +296,13 @@ impl<S: Storage> Pass<'_, S> {
         for &(node, group) in self.groups.members_in(chunk) {
             velocity[node as usize - start] = Quad::from_vector(&self.groups.next[group as usize]);
         }
-        let mut sliders = self.groups.sliders.in_chunk(chunk);
+        let mut roller_nodes = self.groups.roller_nodes.in_chunk(chunk);
         self.gather.for_chunk(
             chunk,
             self.forces,
             #[inline(always)]
             |first, sums| {
-                sliders = hold(sliders, first, sums, self.external);
+                roller_nodes = hold(roller_nodes, first, sums, self.external);
                 let range = first - start..first - start + sums.len();
                 let velocity = &mut velocity[range.clone()];
                 let displacement = &mut displacement[range];

@@ -276,7 +276,7 @@ fn steps(
     if options.energy.is_some() || wanted {
         model.open_ledger(options.energy.is_some_and(|check| check.by_set));
     }
-    let mut stage = Stage {
+    let mut stage = TimeLoop {
         observers,
         energy: options.energy,
         energies: Vec::new(),
@@ -289,7 +289,7 @@ fn steps(
         model,
     };
     let result = stage.play(integrator, options, step, planned, progress);
-    let Stage {
+    let TimeLoop {
         model,
         energies,
         residual,
@@ -337,8 +337,9 @@ fn choose_step(
     }
 }
 
-/// A model with its audience: shows every step between its kick and its drift.
-struct Stage<'a> {
+/// Driver of the time loop: calls observers in every step between the update of velocities and that of
+/// displacements.
+struct TimeLoop<'a> {
     model: &'a mut Model,
     observers: &'a mut [Box<dyn Observer>],
     energy: Option<EnergyCheck>,
@@ -352,7 +353,7 @@ struct Stage<'a> {
     done: u64,
 }
 
-impl Stage<'_> {
+impl TimeLoop<'_> {
     /// All steps of a run, and why they ended.
     fn play(
         &mut self,
@@ -485,7 +486,7 @@ fn is_due(cadence: Cadence, number: u64, time: f64, step: f64) -> bool {
     }
 }
 
-impl Dynamics for Stage<'_> {
+impl Dynamics for TimeLoop<'_> {
     fn time(&self) -> f64 {
         self.model.time()
     }

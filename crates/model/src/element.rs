@@ -152,8 +152,8 @@ pub struct BlockContext<'a> {
     pub damping_shift: f64,
     /// Whether the block must account for its energies in this step.
     pub ledger: bool,
-    /// Whether nothing but a commit follows these forces: neither others from the same history nor a
-    /// question about it. A block may then write the new history over the old one.
+    /// Whether history variables may be updated in place: nothing but a commit follows these forces, neither
+    /// others from the same committed history nor a question about it.
     pub once: bool,
 }
 

@@ -34,8 +34,8 @@ impl ForceTerms {
             ..Self::PLAIN
         }
     }
-    /// The same, for forces that a step asks for once and moves by before it ends: elements may write what
-    /// they remember over what they remembered, which halves the memory that they touch. Forces that are
+    /// The same, for forces that a step asks for once and moves by before it ends: elements may write
+    /// the new history variables over the old ones, which halves the memory that they touch. Forces that are
     /// asked for all the same, or after an error, go on from there, as after a drift.
     #[must_use]
     pub fn once(self) -> Self {
@@ -229,7 +229,7 @@ pub trait StepView {
     fn history(&self, _element: u32, _variable: &str) -> Option<f64> {
         None
     }
-    /// What a block without elements of its own remembers, such as a set of bolts, by the block's label
+    /// History variables of a block without elements of its own, such as a set of bolts, by the block's label
     /// and the variable's name, as of the step before; none if there is no such block or variable, or by
     /// default.
     fn embedded(&self, _block: &str, _variable: &str) -> Option<Vec<f64>> {

@@ -178,7 +178,7 @@ impl JointPair {
     }
 }
 
-/// What has become of a pair.
+/// Contact state, history variables and peak values of a node pair.
 ///
 /// Traction and gap are those at the time of the displacement; slip and energies include the step
 /// that begins there.
@@ -238,7 +238,7 @@ pub struct JointView<'a> {
     pub law: &'a str,
     /// Nodes, directions and areas.
     pub pairs: &'a [JointPair],
-    /// What has become of them.
+    /// Contact states and history variables of its pairs.
     pub records: &'a [JointRecord],
     /// The most sweeps that connected pairs took in a step so far; zero where one pass did.
     pub most_sweeps: u32,
@@ -254,7 +254,7 @@ pub struct JointHistory {
     /// Mesh indices of the nodes of its pairs, as in [`JointPair`]. Pairs of the same nodes, of the
     /// patches at an edge, stand in the order of the joint.
     pub nodes: Vec<[u32; 2]>,
-    /// What has become of its pairs.
+    /// Contact states and history variables of its pairs.
     pub records: Vec<JointRecord>,
 }
 

@@ -17,7 +17,8 @@ pub struct HistoryField {
     pub values: Vec<f64>,
 }
 
-/// Elements that were put in when the body had already moved: their strain counts from there.
+/// Activated elements (element birth) with their stress-free reference configuration, from which their
+/// strain counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cast {
     /// Mesh indices of the elements.
@@ -51,7 +52,7 @@ pub struct State {
     pub standing: Vec<Vec3>,
     /// History variables of the laws.
     pub history: Vec<HistoryField>,
-    /// What has become of joints.
+    /// Contact states and history variables of joints.
     pub joints: Vec<JointHistory>,
 }
 

@@ -29,13 +29,13 @@ impl TimeFunction for Shared {
     }
 }
 
-/// A load from where it is named on, and the stage that takes it off again, if one does.
-pub(crate) struct Lasting {
+/// A load with the stage that removes it, if one does.
+pub(crate) struct StagedLoad {
     pub(crate) load: SharedLoad,
     pub(crate) removed_in: Option<String>,
 }
 
-impl Lasting {
+impl StagedLoad {
     pub(crate) fn new(load: Box<dyn NodalLoad>, removed_in: Option<String>) -> Self {
         Self {
             load: SharedLoad::new(load),

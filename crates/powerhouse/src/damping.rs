@@ -82,7 +82,7 @@ pub struct DampingCost {
     pub at_rest: f64,
     /// The stable step of an element over that of one without damping.
     pub step: f64,
-    /// Numbers that a point remembers more.
+    /// Further history variables of an integration point.
     pub variables: usize,
 }
 
@@ -120,7 +120,7 @@ impl fmt::Display for DampingCost {
             "{:.3} % of critical from {lowest} to {highest} Hz by {mechanisms} mechanisms, within {:.1} % of that; \
              waves travel {:.3} times as fast as the material says at {lowest} Hz, {:.3} times at {highest} Hz; \
              at rest it is {:.3} times as stiff; \
-             its elements permit {:.3} of the undamped step, each point remembers {} numbers more",
+             its elements permit {:.3} of the undamped step, each integration point has {} history variables more",
             100.0 * ratio,
             100.0 * self.deviation,
             self.speeds[0],

@@ -335,7 +335,7 @@ impl PointTest {
     }
 
     /// Writes the columns as CSV, and the stress of the component that takes most against its strain as SVG, with
-    /// the amounts that the law remembers below it; returns both files, `point.csv` and
+    /// the amounts among the law's history variables below it; returns both files, `point.csv` and
     /// `point.svg`.
     ///
     /// # Errors

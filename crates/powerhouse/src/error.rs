@@ -258,12 +258,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// The stage whose body did not come to rest, and why it did not, if that is what this tells.
-    pub fn unrest(&self) -> Option<(&str, &StaticError)> {
+    /// The stage in which static equilibrium did not converge, and the reason, if the error is of this kind.
+    pub fn equilibrium_failure(&self) -> Option<(&str, &StaticError)> {
         match self {
             Self::Stage(StageError::Rest { stage, source }) => Some((stage, source)),
             Self::Scene(fault) => match fault.problem() {
-                Problem::Refused(source) => source.downcast_ref::<Self>()?.unrest(),
+                Problem::Refused(source) => source.downcast_ref::<Self>()?.equilibrium_failure(),
                 _ => None,
             },
             _ => None,

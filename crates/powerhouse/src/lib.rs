@@ -79,9 +79,9 @@ pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use magnitude::{Magnitude, MagnitudeOf, Meant};
 pub use output::{
-    BoltForces, CutWish, EnergyResidual, EnvelopeWish, FolderError, FolderLock, HistoryWish,
-    JointWish, NameError, OutputPlan, RelativeWish, ResultFolder, Results, SnapshotWish, StateWish,
-    StressWish, file_name,
+    BoltForces, EnergyResidual, EnvelopeRequest, FolderError, FolderLock, HistoryRequest,
+    JointRequest, NameError, OutputPlan, RelativeRequest, ResultFolder, Results, SectionRequest,
+    SnapshotRequest, StateRequest, StressRequest, file_name,
 };
 pub use part::{Kernel, Material, Part};
 pub use reduction::reduction_layer;
@@ -94,7 +94,7 @@ pub use scene::{
 pub use scene_doubt::SceneDoubt;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
-    BodyAtRest, BoltPlace, InSituError, InSituStress, SceneBolts, SceneStage, StageAtRest,
+    BoltPlace, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts, SceneStage,
     StageOverview, StageSink, StagingError,
 };
 

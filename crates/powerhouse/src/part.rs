@@ -24,7 +24,7 @@ use crate::{Damping, Error};
 /// ```
 #[derive(Clone)]
 pub struct Material {
-    law: Arc<dyn AnyLaw>,
+    law: Arc<dyn ErasedMaterial>,
     doubts: Arc<[String]>,
     /// None if damping cannot stand in series with the law.
     damped: Option<Arc<Damped>>,
@@ -133,7 +133,7 @@ impl core::fmt::Debug for Material {
 }
 
 /// A law with its type erased.
-trait AnyLaw: Send + Sync {
+trait ErasedMaterial: Send + Sync {
     fn name(&self) -> &str;
     fn medium(&self) -> ElasticMedium;
     fn is_linear(&self) -> bool;
@@ -150,7 +150,7 @@ trait AnyLaw: Send + Sync {
     ) -> Box<dyn BlockFactory>;
 }
 
-impl<T: ConstitutiveLaw> AnyLaw for T {
+impl<T: ConstitutiveLaw> ErasedMaterial for T {
     fn name(&self) -> &str {
         ConstitutiveLaw::name(self)
     }

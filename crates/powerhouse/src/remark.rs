@@ -128,7 +128,7 @@ pub enum Remark {
         /// Its name.
         set: String,
     },
-    /// A history of the state of an element whose law remembers nothing.
+    /// A history of the state of an element whose law has no history variables.
     NoState {
         /// The name of the history.
         name: String,
@@ -479,7 +479,7 @@ impl fmt::Display for Remark {
             ),
             Self::NoState { name, element } => write!(
                 f,
-                "history '{name}' asks for the state of element {element}, whose law remembers nothing"
+                "history '{name}' asks for the state of element {element}, whose law has no history variables"
             ),
             Self::LargeSlip { joint, share } => write!(
                 f,

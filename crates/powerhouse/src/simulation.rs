@@ -15,8 +15,8 @@ use powerhouse_model::{
 };
 
 use crate::output::{Named, OutputPlan, Recordings, Results};
-use crate::scene::{Places, ResidualLimit, TimeStep, field_motion};
-use crate::stage::{BodyAtRest, Rested, StageSink, Staging};
+use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
+use crate::stage::{EquilibratedBody, StageSink, Staging, StagingOutcome};
 use crate::{Error, Remark, SceneDoubt, SceneText};
 
 /// Energies are looked at after this share of the duration if they are not recorded.
@@ -38,7 +38,7 @@ pub struct RunHooks<'a> {
     /// Is shown the stages of the scene.
     pub stages: Option<Box<dyn StageSink + 'a>>,
     /// The body as the same stages left it before, from which the run starts without them.
-    pub at_rest: Option<BodyAtRest>,
+    pub at_rest: Option<EquilibratedBody>,
     /// Further observers.
     pub observers: Vec<Box<dyn Observer>>,
 }
@@ -53,12 +53,12 @@ pub struct Simulation {
     duration: f64,
     residual: ResidualLimit,
     /// The scene's file, and what stands where in it.
-    source: (Option<Arc<SceneText>>, Places),
+    source: (Option<Arc<SceneText>>, SceneSpans),
     /// The field whose motion the body starts with.
     initial: Option<Arc<dyn IncidentField>>,
     plan: OutputPlan,
     observed: (Recordings, Vec<Box<dyn Observer>>),
-    /// What the laws remember.
+    /// The history variables of the laws.
     variables: Vec<HistoryVariable>,
     remarks: Vec<Remark>,
     /// What the body goes through before it moves.
@@ -70,7 +70,7 @@ impl Simulation {
         (title, mesh, model): (String, Arc<Mesh>, Model),
         (integrator, step): (Box<dyn TimeIntegrator>, TimeStep),
         (duration, residual): (f64, ResidualLimit),
-        source: (Option<Arc<SceneText>>, Places),
+        source: (Option<Arc<SceneText>>, SceneSpans),
         initial: Option<Arc<dyn IncidentField>>,
         (plan, observed): (OutputPlan, (Recordings, Vec<Box<dyn Observer>>)),
         variables: Vec<HistoryVariable>,
@@ -248,7 +248,7 @@ impl Simulation {
         &self,
         stop: Option<&Arc<AtomicBool>>,
         sink: Option<Box<dyn StageSink + '_>>,
-    ) -> Result<Option<BodyAtRest>, Error> {
+    ) -> Result<Option<EquilibratedBody>, Error> {
         let Some(staging) = &self.staging else {
             return Ok(None);
         };
@@ -313,7 +313,7 @@ impl Simulation {
         let finish = |report| {
             let snapshots = taken.load(Ordering::Relaxed);
             let mut results = recordings.finish((report, wall_time, snapshots), bolts);
-            if let Some(Rested { stages, hand_over }) = rested {
+            if let Some(StagingOutcome { stages, hand_over }) = rested {
                 (results.stages, results.hand_over) = (stages, Some(hand_over));
                 results.in_situ_stress =
                     staging.is_some_and(|staging| staging.scene.in_situ_stress.is_some());

@@ -13,7 +13,7 @@ use powerhouse::model::{
 use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
     Boundary, Error, Material, OutputPlan, Part, Registry, ResidualLimit, ResultFolder, Results,
-    RunHooks, RunNotes, Scene, SnapshotWish,
+    RunHooks, RunNotes, Scene, SnapshotRequest,
 };
 
 const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
@@ -175,7 +175,7 @@ fn old_results_do_not_mix_with_new_ones() {
     let go = |snapshots: bool| {
         let mut scene = cube();
         let mut plan = scene.output_plan().clone();
-        plan.snapshots = snapshots.then_some(SnapshotWish {
+        plan.snapshots = snapshots.then_some(SnapshotRequest {
             fields: Default::default(),
             every: 0.1,
         });

@@ -138,8 +138,8 @@ const ELEMENT_BYTES: [(Precision, f64); 3] = [
     (Precision::Mixed, 450.0),
     (Precision::F32, 350.0),
 ];
-/// Bytes of a number that a law remembers: the committed one, and that of the last forces.
-const REMEMBERED_BYTES: [(Precision, f64); 3] = [
+/// Bytes of a history variable of a law: the committed one, and that of the last forces.
+const KEPT_CORRECTIONS_BYTES: [(Precision, f64); 3] = [
     (Precision::F64, 16.0),
     (Precision::Mixed, 8.0),
     (Precision::F32, 8.0),
@@ -148,12 +148,12 @@ const REMEMBERED_BYTES: [(Precision, f64); 3] = [
 /// they are written and drawn.
 const AMOUNT_BYTES: f64 = 32.0;
 const FLAGS_BYTES: f64 = 16.0;
-/// Bytes per node, element and remembered number of a model that comes to rest: beside nodes and elements
+/// Bytes per node, element and history variable of a model that comes to rest: beside nodes and elements
 /// as they are stepped, vectors of the solver and of eight earlier corrections, diagonals, the state from
 /// stage to stage, and what building the next model takes; fitted to the example `cost_model`.
 const STATIC_NODE_BYTES: f64 = 2500.0;
 const STATIC_ELEMENT_BYTES: f64 = 600.0;
-const STATIC_REMEMBERED_BYTES: f64 = 24.0;
+const STATIC_KEPT_CORRECTIONS_BYTES: f64 = 24.0;
 /// Bytes per absorbing node: its matrices, and its constants of three waves.
 const BOUNDARY_NODE_BYTES: f64 = 600.0;
 /// Bytes per pair of a joint: geometry, record, matrices, and two copies of what is recorded.
@@ -199,7 +199,7 @@ impl OutputSize {
     }
 }
 
-/// What the laws of a scene remember.
+/// History variables of the laws of a scene.
 #[derive(Clone, Copy, Debug, Default)]
 struct Laws {
     /// Numbers at points.
@@ -295,7 +295,7 @@ impl Account {
         BASE_BYTES
             + NODE_BYTES * nodes
             + element * elements
-            + of_precision(REMEMBERED_BYTES) * numbers
+            + of_precision(KEPT_CORRECTIONS_BYTES) * numbers
             + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * remembering
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
             + PAIR_BYTES * self.joints.pairs
@@ -318,7 +318,7 @@ impl Account {
         let (nodes, elements) = self.counts();
         let resting = STATIC_NODE_BYTES * nodes
             + STATIC_ELEMENT_BYTES * elements
-            + STATIC_REMEMBERED_BYTES * self.laws.numbers
+            + STATIC_KEPT_CORRECTIONS_BYTES * self.laws.numbers
             + PAIR_BYTES * self.joints.pairs;
         (self.bytes_of_model() + resting) as u64
     }

@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use powerhouse::engine::{StaticMethod, StaticProgress};
-use powerhouse::{Error, Scene, Simulation, StageAtRest, StageSink};
+use powerhouse::{CompletedStage, Error, Scene, Simulation, StageSink};
 
 use crate::StudyError;
 
@@ -104,7 +104,7 @@ impl Plans {
             .parts()
             .iter()
             .any(|part| !part.material.history().is_empty());
-        let remembers = scene.law_memory()?.numbers > 0;
+        let path_dependent = scene.law_memory()?.numbers > 0;
         let stages = scene.stage_overviews()?;
         let bolted = stages.iter().any(|stage| !stage.bolts.is_empty());
         let plans = stages.into_iter().map(|stage| Plan {
@@ -112,7 +112,7 @@ impl Plans {
             increments: stage.options.increments,
             release: stage.options.release,
             tolerance: stage.options.tolerance,
-            digits: match (yields, remembers || bolted) {
+            digits: match (yields, path_dependent || bolted) {
                 (true, _) => Some(YIELDING_DIGITS),
                 (false, true) => Some(ELASTIC_DIGITS),
                 (false, false) => None,
@@ -167,7 +167,7 @@ impl StageSink for Watch {
             residual: progress.residual,
         });
     }
-    fn at_rest(&mut self, _stage: &StageAtRest) -> Result<(), Error> {
+    fn at_rest(&mut self, _stage: &CompletedStage) -> Result<(), Error> {
         self.put(Event::AtRest);
         Ok(())
     }
@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(cost.corrections, 4 + 16 + 2 * of_increment);
     }
 
-    /// Where nothing is to be remembered one correction does it all; what relaxes is named, not counted.
+    /// Without history variables one correction does it all; what relaxes is named, not counted.
     #[test]
     fn linear_stages_take_one_correction_and_relaxations_are_named() {
         let relaxing = Plan {

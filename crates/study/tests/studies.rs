@@ -12,7 +12,7 @@ use powerhouse::wavefield::{
     first_hit_corner,
 };
 use powerhouse::{
-    Boundary, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene, SnapshotWish,
+    Boundary, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene, SnapshotRequest,
 };
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError, Warning, check, warnings};
 
@@ -296,7 +296,7 @@ fn costs_of_any_plan_are_numbers() {
         let mut plan =
             OutputPlan::default().history("top", Vec3::new(150.0, 150.0, 0.0), Motion::ALL);
         plan.every = every;
-        plan.snapshots = Some(SnapshotWish {
+        plan.snapshots = Some(SnapshotRequest {
             fields: Default::default(),
             every: snapshots,
         });

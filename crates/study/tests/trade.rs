@@ -305,7 +305,7 @@ fn all_combinations_of_some_factors_are_run() {
         ]
     );
     assert_eq!(watch.announced.map(|(runs, ..)| runs), Some(6));
-    assert_eq!(report.foreseen, None, "nothing remembers");
+    assert_eq!(report.foreseen, None, "no history variables");
 
     // The scene's own step is not the finest: with all factors its runs are others, and are not taken for these.
     let mut watch = Counted::default();

@@ -45,7 +45,7 @@ fn pulls<L: ContactLaw>(law: &L) -> bool {
 
 /// One joint of a constraint.
 #[derive(Clone, Debug)]
-struct Section<L> {
+struct Member<L> {
     name: String,
     law: L,
     /// Where its pairs end.
@@ -55,11 +55,11 @@ struct Section<L> {
 }
 
 /// The law of each pair.
-struct Laws<'a, L>(&'a [Section<L>]);
+struct Laws<'a, L>(&'a [Member<L>]);
 
 impl<L> Laws<'_, L> {
     fn of(&self, pair: usize) -> &L {
-        let place = self.0.partition_point(|section| section.end <= pair);
+        let place = self.0.partition_point(|member| member.end <= pair);
         &self.0[place].law
     }
 }
@@ -92,7 +92,7 @@ impl<L> Laws<'_, L> {
 #[derive(Clone, Debug)]
 pub struct Joint<L> {
     name: String,
-    sections: Vec<Section<L>>,
+    members: Vec<Member<L>>,
     /// Mesh indices, each once, in the order of the pairs: what a pass over them reads lies side by
     /// side.
     nodes: Vec<u32>,
@@ -145,7 +145,7 @@ impl<L: ContactLaw> Joint<L> {
         };
         let name = name.into();
         Ok(Self::assemble(
-            vec![Section {
+            vec![Member {
                 name: name.clone(),
                 law,
                 end: pairs.len(),
@@ -159,7 +159,7 @@ impl<L: ContactLaw> Joint<L> {
     }
 
     fn assemble(
-        sections: Vec<Section<L>>,
+        members: Vec<Member<L>>,
         name: String,
         sides: Vec<Side>,
         records: Vec<JointRecord>,
@@ -177,7 +177,7 @@ impl<L: ContactLaw> Joint<L> {
             places: of_pairs.iter().map(|pair| pair.map(&mut place)).collect(),
             connected: connected_pairs(&of_pairs),
             name,
-            sections,
+            members,
             nodes,
             pairs,
             sides,
@@ -196,29 +196,26 @@ impl<L: ContactLaw> Joint<L> {
     /// # Errors
     /// [`ContactError::Empty`] for no joints, [`ContactError::SameName`].
     pub fn join(joints: Vec<Self>) -> Result<Self, ModelError> {
-        let (mut sections, mut pairs) = (Vec::<Section<L>>::new(), Vec::new());
+        let (mut members, mut pairs) = (Vec::<Member<L>>::new(), Vec::new());
         let (mut sides, mut records) = (Vec::new(), Vec::new());
         for joint in joints {
-            for section in joint.sections {
-                if sections.iter().any(|other| other.name == section.name) {
-                    return Err(ContactError::SameName { name: section.name }.into());
+            for member in joint.members {
+                if members.iter().any(|other| other.name == member.name) {
+                    return Err(ContactError::SameName { name: member.name }.into());
                 }
-                let end = section.end + pairs.len();
-                sections.push(Section { end, ..section });
+                let end = member.end + pairs.len();
+                members.push(Member { end, ..member });
             }
             pairs.extend(joint.pairs);
             sides.extend(joint.sides);
             records.extend(joint.records);
         }
-        let names: Vec<&str> = sections
-            .iter()
-            .map(|section| section.name.as_str())
-            .collect();
+        let names: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
         if names.is_empty() {
             return Err(ContactError::Empty.into());
         }
         let name = names.join(" + ");
-        Ok(Self::assemble(sections, name, sides, records, pairs))
+        Ok(Self::assemble(members, name, sides, records, pairs))
     }
 
     /// Sets the traction `sigma n` on the first side (Pa) in the static state from which
@@ -230,7 +227,7 @@ impl<L: ContactLaw> Joint<L> {
         mut self,
         traction: impl Fn(&JointPair) -> Vec3,
     ) -> Result<Self, ModelError> {
-        let laws = Laws(&self.sections);
+        let laws = Laws(&self.members);
         for (index, (pair, side)) in self.pairs.iter().zip(&mut self.sides).enumerate() {
             let preload = pair.to_local(&traction(pair));
             let record = &mut self.records[index];
@@ -261,7 +258,7 @@ impl<L: ContactLaw> Joint<L> {
     /// [`ContactError::Gap`] for one that is negative or not finite, that the law would close by
     /// pulling, or across which there is a preload.
     pub fn with_gaps(mut self, gap: impl Fn(&JointPair) -> f64) -> Result<Self, ModelError> {
-        let laws = Laws(&self.sections);
+        let laws = Laws(&self.members);
         for (index, (pair, side)) in self.pairs.iter().zip(&mut self.sides).enumerate() {
             let gap = gap(pair);
             let refused =
@@ -288,7 +285,7 @@ impl<L: ContactLaw> Joint<L> {
         mut self,
         unbonded: impl Fn(&JointPair) -> bool,
     ) -> Result<Self, ModelError> {
-        let laws = Laws(&self.sections);
+        let laws = Laws(&self.members);
         for (index, pair) in self
             .pairs
             .iter()
@@ -309,7 +306,7 @@ impl<L: ContactLaw> Joint<L> {
     pub fn pairs(&self) -> &[JointPair] {
         &self.pairs
     }
-    /// What has become of them.
+    /// Their contact states and history variables.
     pub fn records(&self) -> &[JointRecord] {
         &self.records
     }
@@ -357,9 +354,9 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         isolated.sort_by_key(|pair| pair.index);
         self.isolated_count = isolated.len();
         let mut start = 0;
-        for section in &mut self.sections {
-            let end = isolated.partition_point(|pair| (pair.index as usize) < section.end);
-            section.tiles = Tile::all(&isolated[start..end], step).collect();
+        for member in &mut self.members {
+            let end = isolated.partition_point(|pair| (pair.index as usize) < member.end);
+            member.tiles = Tile::all(&isolated[start..end], step).collect();
             start = end;
         }
     }
@@ -369,15 +366,15 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             self.prepare(motion.step, motion.inverse_mass);
         }
         let mut work = ConstraintWork::default();
-        for section in &self.sections {
+        for member in &self.members {
             let records = &mut self.records;
-            let part = isolated::correct(&section.law, &section.tiles, records, &mut motion);
+            let part = isolated::correct(&member.law, &member.tiles, records, &mut motion);
             work.friction += part.friction;
             work.bond += part.bond;
             work.impact += part.impact;
             work.external += part.external;
         }
-        let laws = Laws(&self.sections);
+        let laws = Laws(&self.members);
         for group in &mut self.groups {
             let geometry = (&self.pairs[..], &self.sides[..]);
             let records = &mut self.records;
@@ -401,8 +398,8 @@ impl<L: ContactLaw> Constraint for Joint<L> {
 
     fn joints(&self) -> Vec<JointView<'_>> {
         let mut start = 0;
-        let view = |section| {
-            let Section { name, law, end, .. }: &Section<L> = section;
+        let view = |member| {
+            let Member { name, law, end, .. }: &Member<L> = member;
             let range = core::mem::replace(&mut start, *end)..*end;
             JointView {
                 name,
@@ -413,14 +410,14 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                 worst_residual: self.effort.residual,
             }
         };
-        self.sections.iter().map(view).collect()
+        self.members.iter().map(view).collect()
     }
 
     fn restore(&mut self, history: &JointHistory) -> bool {
         let mut start = 0;
-        for section in &self.sections {
-            let range = core::mem::replace(&mut start, section.end)..section.end;
-            if section.name == history.name {
+        for member in &self.members {
+            let range = core::mem::replace(&mut start, member.end)..member.end;
+            if member.name == history.name {
                 let found = in_order_of(&self.pairs[range.clone()], history);
                 return found.is_some_and(|records| {
                     for (side, record) in self.sides[range.clone()].iter_mut().zip(&records) {
@@ -440,9 +437,9 @@ impl<L: ContactLaw> Constraint for Joint<L> {
 
     fn renew(&mut self, joint: &str, renewal: Renewal, displacement: &[Vec3]) -> bool {
         let mut start = 0;
-        for section in &self.sections {
-            let range = core::mem::replace(&mut start, section.end)..section.end;
-            if section.name != joint {
+        for member in &self.members {
+            let range = core::mem::replace(&mut start, member.end)..member.end;
+            if member.name != joint {
                 continue;
             }
             for index in range {
@@ -452,7 +449,7 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                 if renewal == Renewal::Grouted {
                     closed_at.x += side.gap;
                     *record = JointRecord {
-                        state: section.law.initial(),
+                        state: member.law.initial(),
                         traction: side.preload,
                         ..JointRecord::default()
                     };

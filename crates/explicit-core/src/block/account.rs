@@ -10,7 +10,7 @@ use super::transfer::NodeScalar;
 use super::{Block, by_place};
 use crate::lanes::{BatchLane, BatchScalar};
 
-/// What a block remembers from step to step to account for damping and its law.
+/// History variables of a block with which it accounts for damping and its law.
 #[derive(Debug)]
 pub(super) struct Account<S> {
     /// The step that the rest belongs to.
@@ -185,7 +185,7 @@ where
     K: ElementKernel<N, P>,
     S: NodeScalar,
 {
-    /// Books the work of the step that ends at the context.
+    /// Accounts for the work of the step that ends at the context.
     ///
     /// With the velocity `v` of that step, `v_0` of the step before and the elastic form
     /// `a(x, y) = x . K y`, damping takes `1/2 (a(v_0, v) + a(v, v)) beta dt`. With `E(x) =

@@ -13,10 +13,10 @@ use super::account::Account;
 use super::frequency::HighestSquares;
 use super::history::History;
 use super::law::{AnyLaw, BatchLaw};
+use super::law_forms::LawForms;
 use super::memory::Places;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
-use super::stepping::Stepping;
 use super::transfer::{BlockNodes, Locals, NodeScalar};
 use crate::lanes::Lanes;
 use crate::{BlockFactory, BlockOptions, BlockPart, ElementExtent, EngineError, Precision};
@@ -229,7 +229,7 @@ where
             history: History::new(variables, P, batches),
             locals: Locals::default(),
             account: Account::default(),
-            law: Stepping::new(law),
+            law: LawForms::new(law),
         })
     }
 

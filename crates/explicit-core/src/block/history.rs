@@ -8,9 +8,9 @@ use super::memory::{Cache, prefetch};
 use super::numbers::AlignedNumbers;
 use crate::lanes::{Arrangement, BatchLane, BatchScalar};
 
-/// Where a batch of elements stands.
+/// Flags of the double-buffered trial and committed history variables of a batch of elements.
 #[derive(Clone, Copy, Debug)]
-struct Stand {
+struct BatchState {
     /// Which of the two stores holds the committed history.
     side: u8,
     /// Whether the other store holds another history, that of the last forces.
@@ -18,12 +18,12 @@ struct Stand {
     /// Whether the last forces wrote another history over the committed one.
     moved: bool,
     /// Whether the committed history is still all zero.
-    blank: bool,
+    zero: bool,
     /// Whether the last commit changed it.
-    restless: bool,
+    active: bool,
 }
 
-impl Stand {
+impl BatchState {
     /// The store that holds the committed history, and the other one.
     #[inline(always)]
     fn sides<T>(self, [first, second]: &mut [T; 2]) -> (&T, &mut T) {
@@ -46,7 +46,7 @@ pub(super) struct History<S> {
     points: usize,
     width: usize,
     stores: [AlignedNumbers<S>; 2],
-    stands: Vec<Stand>,
+    states: Vec<BatchState>,
     /// Whether new numbers go over the committed ones.
     over: bool,
 }
@@ -59,19 +59,19 @@ impl<S: BatchScalar> History<S> {
         (batches, width): (usize, usize),
     ) -> Self {
         let numbers = batches * width * points * variables.len();
-        let stand = Stand {
+        let state = BatchState {
             side: 0,
             changed: false,
             moved: false,
-            blank: true,
-            restless: false,
+            zero: true,
+            active: false,
         };
         Self {
             variables: variables.to_vec(),
             points,
             width,
             stores: [(); 2].map(|()| AlignedNumbers::zeros(numbers)),
-            stands: vec![stand; batches],
+            states: vec![state; batches],
             over: false,
         }
     }
@@ -92,19 +92,19 @@ impl<S: BatchScalar> History<S> {
     /// The committed numbers of a batch; none if they are all zero.
     #[inline(always)]
     pub(super) fn committed(&self, batch: usize) -> Option<&[S]> {
-        let stand = self.stands[batch];
+        let state = self.states[batch];
         let numbers = self.numbers();
-        let store = self.stores[usize::from(stand.side)].as_slice();
-        (!stand.blank).then(|| &store[batch * numbers..][..numbers])
+        let store = self.stores[usize::from(state.side)].as_slice();
+        (!state.zero).then(|| &store[batch * numbers..][..numbers])
     }
     /// The numbers of a batch after the last forces; none if they are all zero.
     fn latest(&self, batch: usize) -> Option<&[S]> {
-        let stand = self.stands[batch];
-        if !stand.changed {
+        let state = self.states[batch];
+        if !state.changed {
             return self.committed(batch);
         }
         let numbers = self.numbers();
-        let store = self.stores[usize::from(1 - stand.side)].as_slice();
+        let store = self.stores[usize::from(1 - state.side)].as_slice();
         Some(&store[batch * numbers..][..numbers])
     }
 
@@ -112,12 +112,12 @@ impl<S: BatchScalar> History<S> {
     /// laws write goes there.
     #[inline(always)]
     pub(super) fn ask_ahead(&self, batch: usize) {
-        let Some(stand) = self.stands.get(batch) else {
+        let Some(state) = self.states.get(batch) else {
             return;
         };
         let numbers = self.numbers();
-        let side = usize::from(stand.side);
-        if !stand.blank {
+        let side = usize::from(state.side);
+        if !state.zero {
             prefetch(
                 Cache::Second,
                 self.stores[side].as_slice(),
@@ -125,7 +125,7 @@ impl<S: BatchScalar> History<S> {
                 numbers,
             );
         }
-        if stand.restless && !self.over {
+        if state.active && !self.over {
             prefetch(
                 Cache::Second,
                 self.stores[1 - side].as_slice(),
@@ -138,40 +138,40 @@ impl<S: BatchScalar> History<S> {
     /// Forgets what the last forces made of a batch.
     #[inline(always)]
     pub(super) fn retry(&mut self, batch: usize) {
-        self.stands[batch].changed = false;
+        self.states[batch].changed = false;
     }
     /// The committed numbers of a batch, none if they are all zero; and the place of the next ones, if that
     /// is another and its history changed in the last step: it will again, and what laws write need not be
     /// copied there.
     #[inline(always)]
     pub(super) fn both(&mut self, batch: usize) -> (Option<&[S]>, Option<&mut [S]>) {
-        let stand = self.stands[batch];
+        let state = self.states[batch];
         let numbers = self.numbers();
         let range = batch * numbers..(batch + 1) * numbers;
-        let (held, other) = stand.sides(&mut self.stores);
-        let committed = (!stand.blank).then(|| &held.as_slice()[range.clone()]);
-        let next = (stand.restless && !self.over).then(|| &mut other.as_mut_slice()[range]);
+        let (held, other) = state.sides(&mut self.stores);
+        let committed = (!state.zero).then(|| &held.as_slice()[range.clone()]);
+        let next = (state.active && !self.over).then(|| &mut other.as_mut_slice()[range]);
         (committed, next)
     }
     /// Says that what was written to the place of the next history differs from the committed one.
     #[inline(always)]
     pub(super) fn took(&mut self, batch: usize) {
-        self.stands[batch].changed = true;
+        self.states[batch].changed = true;
     }
     /// Takes the new history of one point of a batch, point after point, from the first on that differs
     /// from the committed one.
     #[inline(always)]
     pub(super) fn take<L: BatchLane<Scalar = S>>(&mut self, batch: usize, point: usize, new: &[L]) {
-        if !(self.over || self.stands[batch].changed) {
+        if !(self.over || self.states[batch].changed) {
             self.begin(batch, point);
         }
         let (start, length) = (batch * self.numbers(), new.len() * L::WIDTH);
-        let stand = &mut self.stands[batch];
-        let mut side = 1 - stand.side;
+        let state = &mut self.states[batch];
+        let mut side = 1 - state.side;
         if self.over {
-            // Where the history is blank, so is its store.
-            (stand.moved, stand.blank) = (true, false);
-            side = stand.side;
+            // Where the history is zero, so is its store.
+            (state.moved, state.zero) = (true, false);
+            side = state.side;
         }
         let store = &mut self.stores[usize::from(side)];
         let numbers = &mut store.as_mut_slice()[start + point * length..][..length];
@@ -184,32 +184,32 @@ impl<S: BatchScalar> History<S> {
     fn begin(&mut self, batch: usize, points: usize) {
         let start = batch * self.numbers();
         let range = start..start + points * self.variables.len() * self.width;
-        let stand = &mut self.stands[batch];
-        stand.changed = true;
-        let (from, to) = stand.sides(&mut self.stores);
+        let state = &mut self.states[batch];
+        state.changed = true;
+        let (from, to) = state.sides(&mut self.stores);
         to.as_mut_slice()[range.clone()].copy_from_slice(&from.as_slice()[range]);
     }
     /// Takes the new history of one lane of a batch back.
     pub(super) fn take_back(&mut self, batch: usize, lane: usize) {
-        let stand = self.stands[batch];
-        if !stand.changed {
+        let state = self.states[batch];
+        if !state.changed {
             return;
         }
         let numbers = self.numbers();
-        let (from, to) = stand.sides(&mut self.stores);
+        let (from, to) = state.sides(&mut self.stores);
         for place in (batch * numbers + lane..(batch + 1) * numbers).step_by(self.width) {
             to.as_mut_slice()[place] = from.as_slice()[place];
         }
     }
     /// Makes the history of the last forces the committed one.
     pub(super) fn commit(&mut self) {
-        for stand in &mut self.stands {
-            stand.restless = stand.changed || stand.moved;
-            stand.moved = false;
-            if stand.changed {
-                stand.side = 1 - stand.side;
-                stand.changed = false;
-                stand.blank = false;
+        for state in &mut self.states {
+            state.active = state.changed || state.moved;
+            state.moved = false;
+            if state.changed {
+                state.side = 1 - state.side;
+                state.changed = false;
+                state.zero = false;
             }
         }
     }
@@ -270,14 +270,14 @@ impl<S: BatchScalar> History<S> {
                     continue;
                 };
                 let batch = element / self.width;
-                self.stands[batch].changed = false;
+                self.states[batch].changed = false;
                 for point in 0..self.points {
                     let value = field.values[row * self.points + point];
                     let place = self.place(arrangement, element, (point, v));
                     let place = batch * self.numbers() + place;
-                    let stand = &mut self.stands[batch];
-                    stand.blank &= value == 0.0;
-                    let store = &mut self.stores[usize::from(stand.side)];
+                    let state = &mut self.states[batch];
+                    state.zero &= value == 0.0;
+                    let store = &mut self.stores[usize::from(state.side)];
                     store.as_mut_slice()[place] = S::from_f64(value);
                 }
             }

@@ -104,7 +104,7 @@ where
         geometry: &[f64],
     ) -> ([Stiffness; P], f64) {
         let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
-        let law = match self.law.of_rest() {
+        let law = match self.law.static_form() {
             Some(law) if operator != Operator::Elastic => law,
             _ => return ([elastic; P], self.moduli.hourglass),
         };

@@ -8,12 +8,12 @@ mod factory;
 mod frequency;
 mod history;
 mod law;
+mod law_forms;
 mod linearised;
 mod memory;
 mod numbers;
 mod operations;
 mod remaining;
-mod stepping;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -34,10 +34,10 @@ use batches::Batches;
 use exchange::Exchanges;
 use history::History;
 use law::Memory;
+use law_forms::LawForms;
 use memory::Places;
 use numbers::AlignedNumbers;
-use operations::{Books, Elastic, LawState, Material, Moduli, Rates};
-use stepping::Stepping;
+use operations::{Elastic, EnergyBookkeeping, LawState, Material, Moduli, Rates};
 use survey::Summary;
 use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
 
@@ -56,7 +56,7 @@ thread_local! {
 struct Block<K, S, const N: usize, const P: usize> {
     label: Arc<str>,
     kernel: K,
-    law: Stepping<S>,
+    law: LawForms<S>,
     moduli: Moduli,
     damping: Rayleigh,
     lanes: Lanes,
@@ -108,7 +108,7 @@ where
     }
 
     fn is_linear(&self) -> bool {
-        self.law.of_rest().is_none()
+        self.law.static_form().is_none()
     }
 
     fn coefficient(&self, context: &BlockContext) -> f64 {
@@ -151,7 +151,7 @@ where
             return finite;
         }
         out.fill(Quad::default());
-        // A step is not linearised: its nodes need not be remembered.
+        // A step is not linearised: its nodes need not be kept.
         let keeps = !self.is_linear() && !self.law.is_stepping();
         let mut locals = if keeps {
             core::mem::take(&mut self.locals)
@@ -180,7 +180,7 @@ where
             let mut history = core::mem::take(&mut self.history);
             let batches = self.batches().count(self.arrangement.width);
             let elements = self.places.as_slice().len();
-            let books = booked.map(|sums| Books {
+            let books = booked.map(|sums| EnergyBookkeeping {
                 kept: account.of_batches((elements, P), batches),
                 sums,
             });

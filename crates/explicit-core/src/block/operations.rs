@@ -122,14 +122,14 @@ pub(super) struct Rates<'a, A: BatchScalar, S> {
     /// Stiffness damping coefficient (s).
     pub(super) damping: f64,
     /// The account of the step, if one is kept.
-    pub(super) books: Option<Books<'a, S>>,
+    pub(super) books: Option<EnergyBookkeeping<'a, S>>,
 }
 
-/// The account of a step.
+/// Energy bookkeeping of a step: the increments of energy of the elements that may dissipate.
 ///
 /// Batches that are surely elastic, and were so a step before, are not in it: of them the work of a step
 /// is what they hold more after it.
-pub(super) struct Books<'a, S> {
+pub(super) struct EnergyBookkeeping<'a, S> {
     /// What is kept of the step before.
     pub(super) kept: Kept<'a, S>,
     /// What the elements in the account did in the step.
@@ -143,7 +143,7 @@ enum Answered<L, const P: usize> {
     /// By its law, without energies.
     Plain,
     /// By its law, with energies if it told them.
-    Told(Option<[LawEnergy<L>; P]>),
+    WithEnergies(Option<[LawEnergy<L>; P]>),
 }
 
 /// Forces of a law that is not linear; yields whether all is finite.
@@ -202,7 +202,7 @@ where
                     let modes = self.exchange.modes::<L, N>(token, place);
                     let (stresses, energies) = self.exchange.answer::<L, P>(token, place, told);
                     let answered = if wants_energy {
-                        Answered::Told(energies)
+                        Answered::WithEnergies(energies)
                     } else {
                         Answered::Plain
                     };
@@ -329,7 +329,7 @@ where
         let volumes = self.kernel.volumes(geometry);
         let asked = !matches!(answered, Answered::Elastic);
         let points = match answered {
-            Answered::Told(energies) => Some(energies),
+            Answered::WithEnergies(energies) => Some(energies),
             Answered::Elastic if self.was_booked(index) => Some(None),
             Answered::Elastic | Answered::Plain => None,
         };

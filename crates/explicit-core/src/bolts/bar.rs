@@ -13,7 +13,7 @@ pub(super) struct Bar {
     grout: Option<Grout>,
 }
 
-/// What a bar remembers, segment by segment.
+/// History variables of a bar, segment by segment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BarState {
     /// Elongation that does not come back (m).

@@ -130,7 +130,7 @@ impl Model {
         self.ledger = None;
     }
 
-    /// Books the first half of the work of the present nodal forces, between kick and drift; once
+    /// Accounts for the first half of the work of the present nodal forces, between kick and drift; once
     /// per step.
     pub(crate) fn book_first_half(&mut self, step: f64) {
         let Some(mut ledger) = self.ledger.take() else {
@@ -161,7 +161,7 @@ impl Model {
         self.ledger = Some(ledger);
     }
 
-    /// Books the second half, after the drift.
+    /// Accounts for the second half, after the drift.
     pub(crate) fn book_second_half(&mut self, step: f64) {
         let Some(mut ledger) = self.ledger.take() else {
             return;
@@ -240,7 +240,7 @@ impl Model {
 }
 
 impl Ledger {
-    /// Books what a constraint did to its groups: predicted velocities (m/s) before, and its own
+    /// Accounts for what a constraint did to its groups: predicted velocities (m/s) before, and its own
     /// report.
     pub(crate) fn book_constraint(
         &mut self,

@@ -104,10 +104,10 @@ impl Present<'_> {
         let mean = (before + after) * 0.5;
         let on_the_way = (after - before) * (0.25 * self.step);
         let (spring, dashpot, mass_damping, drive);
-        if let Some((light, stretch)) = self.groups.light(g) {
-            spring = light.spring.component_mul(&(stretch + on_the_way));
-            dashpot = light.dashpot.component_mul(&mean);
-            mass_damping = light.mass_damping;
+        if let Some((diagonal, stretch)) = self.groups.diagonal_group(g) {
+            spring = diagonal.spring.component_mul(&(stretch + on_the_way));
+            dashpot = diagonal.dashpot.component_mul(&mean);
+            mass_damping = diagonal.mass_damping;
             drive = Vec3::zeros();
         } else {
             let group = &self.groups.groups[g];

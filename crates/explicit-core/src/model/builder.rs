@@ -147,7 +147,7 @@ impl<'a> ModelBuilder<'a> {
         self
     }
     /// A block that joins nodes of the mesh, made once they are numbered, such as that of
-    /// [bolts](crate::BoltSet::block). What it remembers has names of its own, so that a state can
+    /// [bolts](crate::BoltSet::block). Its history variables have names of their own, so that a state can
     /// carry it. If the state that the model starts from knows nothing of it, it is installed now:
     /// free of force, but for what it brings along, at the present displacement.
     #[must_use]

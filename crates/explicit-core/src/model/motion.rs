@@ -123,7 +123,7 @@ impl Model {
         self.settle();
         self.groups.motion.forget();
         let engine_of = &self.numbering.engine_of;
-        let sliders = &self.groups.motion.sliders;
+        let roller_nodes = &self.groups.motion.roller_nodes;
         with_nodes!(&mut self.nodes, arrays => {
             arrays.displacement.fill(Quad::default());
             arrays.velocity.fill(Quad::default());
@@ -133,7 +133,7 @@ impl Model {
             for (&engine, v) in engine_of.iter().zip(velocity) {
                 arrays.velocity[engine as usize] = Quad::from_vector(v);
             }
-            sliders.stop(&mut arrays.velocity);
+            roller_nodes.stop(&mut arrays.velocity);
         });
         Ok(())
     }

@@ -187,10 +187,10 @@ impl<'a> GroupPlan<'a> {
             groups.extend(self.nodes.remove(&self.root(node)));
         }
         let others = self.nodes.into_values();
-        let (sliders, others): (Vec<_>, Vec<_>) =
+        let (roller_nodes, others): (Vec<_>, Vec<_>) =
             others.partition(|group| group.held_axes().is_some());
         groups.extend(others);
-        groups.extend(sliders);
+        groups.extend(roller_nodes);
         let mut group_of = vec![None; mass.len()];
         for (g, group) in groups.iter().enumerate() {
             for &node in &group.members {

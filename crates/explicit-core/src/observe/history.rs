@@ -126,7 +126,7 @@ impl HistoryBuilder {
         self.stress_places.push((name.into(), place.into()));
         self
     }
-    /// Adds what the law of an element remembers.
+    /// Adds the history variables of an element's law.
     #[must_use]
     pub fn state(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
         self.channels.push(Channel::State {
@@ -144,7 +144,7 @@ impl HistoryBuilder {
         self.present = Some(present.to_vec());
         self
     }
-    /// Finds all places in the mesh; no law is known to remember anything.
+    /// Finds all places in the mesh; no law is known to have history variables.
     ///
     /// # Errors
     /// As [`build_with`](Self::build_with).

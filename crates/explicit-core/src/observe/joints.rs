@@ -17,7 +17,7 @@ pub struct JointTable {
     pub law: String,
     /// Its pairs.
     pub pairs: Vec<JointPair>,
-    /// What has become of them; slip, peaks, energies and first times are those of the whole run.
+    /// Contact states and peak values; slip, peaks, energies and first times are those of the whole run.
     pub records: Vec<JointRecord>,
     /// The greatest tractions that were seen.
     pub tractions: TractionPeaks,
@@ -128,7 +128,7 @@ pub struct JointWatch {
     pub quantities: JointQuantities,
 }
 
-/// What has become of pairs that were watched.
+/// Final contact state and peak values of observed node pairs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointOutcome {
     /// The name in results.
@@ -170,7 +170,7 @@ pub struct JointTables {
     pub time: f64,
     /// The joints then.
     pub joints: Vec<JointTable>,
-    /// What has become of what was watched.
+    /// Final contact state and peak values of what was observed.
     pub outcomes: Vec<JointOutcome>,
     /// The columns of every [`JointWatch`], named `NAME.slip` and so on.
     pub history: HistoryTable,

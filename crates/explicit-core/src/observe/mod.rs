@@ -8,7 +8,7 @@
 //! | [`Envelope`] | largest motion of nodes, greatest and least principal stress of elements, with their times | 16 bytes a node and kind of motion, 32 an element |
 //! | [`JointHistories`] | state, slip, opening, tractions and energies of joints, and their pairs as they were last | 8 bytes a column and row, 350 a pair |
 //! | [`BoltHistories`] | the greatest axial force of sets of bolts, and that of each segment with its time | 8 bytes a set and row, 16 a segment |
-//! | [`StatePeaks`] | the greatest of what laws remember, with its time | 16 bytes an element and amount |
+//! | [`StatePeaks`] | the envelopes of history variables of laws, with its time | 16 bytes an element and amount |
 //! | [`Snapshots`] | nothing: hands whole fields to a [`SnapshotSink`] | one copy of each field wanted |
 //!
 //! An observer goes into the run and is lost to its maker; what it collects is read through a

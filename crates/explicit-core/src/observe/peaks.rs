@@ -136,7 +136,7 @@ impl PeakTable {
         );
     }
 
-    /// Adds the greatest of what laws remember, where it is above zero.
+    /// Adds the envelopes of history variables of laws, where it is above zero.
     ///
     /// # Panics
     /// If the table is of another mesh, with more elements.

@@ -1,4 +1,4 @@
-//! What laws remember: the greatest of it.
+//! Envelopes (maxima over time) of the history variables of laws.
 
 use powerhouse_model::{
     Cadence, Fields, Flow, HistoryKind, HistoryVariable, Mesh, ModelError, Observer, StepView,
@@ -6,7 +6,7 @@ use powerhouse_model::{
 
 use super::{ObserveError, PeakField, Recording, check_cadence};
 
-/// What a [`StatePeaks`] has seen.
+/// Envelopes of history variables, as a [`StatePeaks`] has observed them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StateTable {
     /// Mesh indices of the elements.
@@ -17,7 +17,7 @@ pub struct StateTable {
     pub flags: Vec<(HistoryVariable, Vec<f64>)>,
 }
 
-/// The greatest of what laws remember, element by element: amounts such as damage and equivalent
+/// Observer of the envelopes of the laws' history variables, element by element: amounts such as damage and equivalent
 /// plastic strain, and flags as they were last. Components of tensors are left out.
 ///
 /// Amounts that never fall, as most do not, are at their greatest at the end: one look there is

@@ -55,7 +55,7 @@ impl<'a> Stage<'a> {
         self
     }
     /// The same with joints (by name) that start anew at the displacement that the body has: grouted, or
-    /// released from a tie. What has become of them before is dropped; opening and slip count from here.
+    /// released from a tie. Their state before is dropped; opening and slip count from here.
     /// Joints that the stage lacks start anew when a later one has them.
     #[must_use]
     pub fn renew_joints<N: Into<String>>(

@@ -166,7 +166,7 @@ impl Model {
         corrected
     }
 
-    /// What has become of the joints.
+    /// Contact states and history variables of the joints.
     pub(super) fn joint_histories(&self) -> Vec<JointHistory> {
         let joints = self.joints();
         joints.map(|joint| JointHistory::from(&joint)).collect()

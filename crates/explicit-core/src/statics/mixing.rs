@@ -29,7 +29,7 @@ const WORSE: f64 = 4.0;
 const DEPENDENT: f64 = 1.0e-12;
 
 impl Mixing {
-    /// With so many differences remembered.
+    /// With so many differences kept.
     pub(super) fn new(most: usize) -> Self {
         Self {
             most,

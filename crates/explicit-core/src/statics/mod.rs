@@ -70,8 +70,8 @@ pub struct StaticProgress {
     pub residual: f64,
 }
 
-/// Corrections that are remembered.
-const REMEMBERED: usize = 8;
+/// Corrections that are kept.
+const KEPT_CORRECTIONS: usize = 8;
 /// How much of an increment's first residual the linear solver leaves in laws that are not linear.
 const FORCING: f64 = 1.0e-2;
 /// Of what the gate asks, how much the linear solver leaves.
@@ -234,7 +234,7 @@ impl Increment<'_> {
         report: &mut StaticReport,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
-        let mut mixing = Mixing::new(REMEMBERED);
+        let mut mixing = Mixing::new(KEPT_CORRECTIONS);
         let (mut correction, mut last) = (0, f64::INFINITY);
         loop {
             system.forces(&u)?;
@@ -270,7 +270,7 @@ impl Increment<'_> {
             if corrector.follows_the_state() && size < last {
                 // Newton's own pace, which earlier corrections would only slow down: 10 corrections
                 // where they make 32 of it.
-                mixing = Mixing::new(REMEMBERED);
+                mixing = Mixing::new(KEPT_CORRECTIONS);
             }
             last = size;
             mixing.advance(&mut u, step);

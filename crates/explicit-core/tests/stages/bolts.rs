@@ -318,7 +318,7 @@ fn a_fault_names_the_element_that_the_bolt_crosses() {
 
 /// Bolts with a pretension hold soft ground together before the earthquake and through it: after the
 /// hand-over nothing moves without input, with it the energies of rock, bars and grout balance, and
-/// a state carries what they remember.
+/// a state carries their history variables.
 #[test]
 fn bolts_go_through_stages() {
     let mesh = bent_box(Vec3::new(12.0, 10.0, 10.0), [6, 5, 5], 0.5);

@@ -68,7 +68,7 @@ pub enum Damping {
         ratio: At<Positive>,
         /// Lowest and highest frequency (Hz), the second 1.5 to 1000 times the first.
         band: At<[Positive; 2]>,
-        /// Relaxation mechanisms, 2 to 4, 3 by default: more follow a wider band, each remembers six
+        /// Relaxation mechanisms, 2 to 4, 3 by default: more follow a wider band, each has six history variables
         /// numbers per point.
         mechanisms: Option<At<usize>>,
         /// The frequency at which waves have the speeds of the material: a number (Hz), `"centre"`

@@ -52,7 +52,7 @@ pub enum Quantity {
     /// envelopes the greatest and least principal stress. The stress of stiffness-proportional damping is
     /// not in it, nor in section forces.
     Stress,
-    /// What the material's law remembers, such as plastic strains, damage, damage type and yield
+    /// The history variables of the material's law, such as plastic strains, damage, damage type and yield
     /// state; of elements and, as the greatest values, in envelopes.
     State,
 }

@@ -31,10 +31,10 @@ use crate::{Error, Simulation, StageSink};
 /// | `joints/NAME.vtu` | each joint's facets at the end with state, slip, opening, energies, times of first slip and crack, and greatest tractions |
 /// | `plots/NAME.svg`, `plots/joint-NAME.svg` | each of them drawn |
 /// | `envelope.vtu` | greatest values with their times |
-/// | `state.vtu` | the greatest of what laws remember, such as damage, with times; damage type and yield state at the end |
+/// | `state.vtu` | the envelopes of history variables of laws, such as damage, with times; damage type and yield state at the end |
 /// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
 /// | `pictures/joint-NAME-WHAT.png` | each joint's facets with state and bond at the end, what they did over the run, slip and peak opening if there were any |
-/// | `stages/NUMBER-NAME.vtu` | the body at the end of each stage: displacement, stress, what laws remember, which elements are there; beside it the facets of joints (`-JOINT.vtu`) and the axial forces of bolts (`-BOLTS.csv`) |
+/// | `stages/NUMBER-NAME.vtu` | the body at the end of each stage: displacement, stress, the history variables of laws, which elements are there; beside it the facets of joints (`-JOINT.vtu`) and the axial forces of bolts (`-BOLTS.csv`) |
 /// | `bolts.csv`, `plots/bolts-NAME.svg` | the greatest axial force of each make of bolts against time |
 /// | `bolts/NAME.csv` | axial forces of bolts at the end and the greatest of the run, segment by segment |
 /// | `snapshots.pvd` and a folder beside it | whole fields, and the facets of joints, for ParaView |
@@ -69,7 +69,7 @@ pub(super) const TABLES: [&str; 5] = [
 const SECTIONS: &str = "sections.csv";
 /// Greatest values, with a picture of each.
 pub(super) const ENVELOPE: &str = "envelope.vtu";
-/// The greatest of what laws remember, with a picture of each.
+/// The envelopes of the laws' history variables, with a picture of each.
 pub(super) const STATE: &str = "state.vtu";
 /// The start of the name of a file that is only tried.
 const PROBE: &str = ".writable";

@@ -65,7 +65,7 @@ impl JointFacets {
         }))
     }
 
-    /// What has become of its pairs.
+    /// Contact states and peak values of its pairs.
     pub(super) fn fields(&self, pairs: &[JointPair], records: &[JointRecord]) -> JointFields {
         let anew = records.iter().any(|record| record.closed_at.is_some());
         let of_field = |(name, value): &(&'static str, Value)| {

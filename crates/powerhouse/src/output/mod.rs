@@ -8,10 +8,10 @@ mod lock;
 mod names;
 mod naming;
 mod plan;
-mod remembered;
 mod results;
 mod sampling;
 mod stages;
+mod state_variables;
 mod summary;
 mod vtu;
 
@@ -23,9 +23,9 @@ pub(crate) use names::Named;
 pub use naming::NameError;
 pub(crate) use naming::{NamedThing, check_names};
 pub use plan::{
-    CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,
-    StateWish, StressWish,
+    EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,
+    SnapshotRequest, StateRequest, StressRequest,
 };
-pub(crate) use remembered::Remembered;
 pub(crate) use results::Recordings;
 pub use results::{EnergyResidual, Results};
+pub(crate) use state_variables::StateVariables;

@@ -1,4 +1,4 @@
-//! What is wanted of a run.
+//! Output requests.
 
 use powerhouse_explicit_core::observe::{
     Cut, JointQuantities, Motion, Place, SnapshotFields, StressPlace,
@@ -8,7 +8,7 @@ use crate::JointZone;
 
 /// Motion at a place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HistoryWish {
+pub struct HistoryRequest {
     /// The name in results.
     pub name: String,
     /// Where.
@@ -19,7 +19,7 @@ pub struct HistoryWish {
 
 /// The stress of an element.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StressWish {
+pub struct StressRequest {
     /// The name in results.
     pub name: String,
     /// Where.
@@ -28,7 +28,7 @@ pub struct StressWish {
 
 /// The displacement of a place relative to another.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RelativeWish {
+pub struct RelativeRequest {
     /// The name in results.
     pub name: String,
     /// The place.
@@ -39,7 +39,7 @@ pub struct RelativeWish {
 
 /// A cut whose section forces are wanted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CutWish {
+pub struct SectionRequest {
     /// The plane.
     pub cut: Cut,
     /// The element set that is cut.
@@ -48,7 +48,7 @@ pub struct CutWish {
 
 /// Greatest values over a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EnvelopeWish {
+pub struct EnvelopeRequest {
     /// Which motions.
     pub motion: Motion,
     /// Whether principal stresses are tracked.
@@ -61,7 +61,7 @@ pub struct EnvelopeWish {
 
 /// What becomes of some pairs of a joint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct JointWish {
+pub struct JointRequest {
     /// The name in results.
     pub name: String,
     /// The joint's name.
@@ -74,19 +74,19 @@ pub struct JointWish {
 
 /// Whole fields at a cadence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SnapshotWish {
+pub struct SnapshotRequest {
     /// What they hold.
     pub fields: SnapshotFields,
     /// Time between them (s).
     pub every: f64,
 }
 
-/// What is wanted of what laws remember: plastic strains, damage, yield states. The greatest of every
+/// What is wanted of the history variables of laws: plastic strains, damage, yield states. The greatest of every
 /// amount and the last of all flags are kept anyway.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct StateWish {
+pub struct StateRequest {
     /// Histories of elements; their motion and stress are asked for apart.
-    pub places: Vec<StressWish>,
+    pub places: Vec<StressRequest>,
     /// Time between looks at the greatest values (s); without one they are looked at when the run
     /// ends.
     pub every: Option<f64>,
@@ -113,23 +113,23 @@ pub struct OutputPlan {
     /// Time between samples of histories, relative displacements and section forces (s).
     pub every: f64,
     /// Histories.
-    pub histories: Vec<HistoryWish>,
+    pub histories: Vec<HistoryRequest>,
     /// Histories of stress.
-    pub stresses: Vec<StressWish>,
+    pub stresses: Vec<StressRequest>,
     /// Relative displacements.
-    pub relative: Vec<RelativeWish>,
+    pub relative: Vec<RelativeRequest>,
     /// Cuts.
-    pub cuts: Vec<CutWish>,
+    pub cuts: Vec<SectionRequest>,
     /// Joints, or parts of them, beside what is recorded of every joint as a whole.
-    pub joints: Vec<JointWish>,
+    pub joints: Vec<JointRequest>,
     /// Time between looks at the energies (s).
     pub energies: Option<f64>,
     /// Greatest values.
-    pub envelope: Option<EnvelopeWish>,
+    pub envelope: Option<EnvelopeRequest>,
     /// Whole fields.
-    pub snapshots: Option<SnapshotWish>,
-    /// What laws remember.
-    pub state: StateWish,
+    pub snapshots: Option<SnapshotRequest>,
+    /// History variables of laws.
+    pub state: StateRequest,
 }
 
 impl Default for OutputPlan {
@@ -145,7 +145,7 @@ impl Default for OutputPlan {
             energies: None,
             envelope: None,
             snapshots: None,
-            state: StateWish::default(),
+            state: StateRequest::default(),
         }
     }
 }
@@ -154,7 +154,7 @@ impl OutputPlan {
     /// Adds the motion at a place.
     #[must_use]
     pub fn history(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
-        self.histories.push(HistoryWish {
+        self.histories.push(HistoryRequest {
             name: name.into(),
             place: place.into(),
             motion,
@@ -164,16 +164,16 @@ impl OutputPlan {
     /// Adds the stress of an element, by its number or around a point.
     #[must_use]
     pub fn stress(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
-        self.stresses.push(StressWish {
+        self.stresses.push(StressRequest {
             name: name.into(),
             place: place.into(),
         });
         self
     }
-    /// Adds what the law of an element remembers, by its number or around a point.
+    /// Adds the history variables of an element's law, by its number or around a point.
     #[must_use]
     pub fn state(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
-        self.state.places.push(StressWish {
+        self.state.places.push(StressRequest {
             name: name.into(),
             place: place.into(),
         });
@@ -182,7 +182,7 @@ impl OutputPlan {
     /// Adds the displacement of a place relative to another.
     #[must_use]
     pub fn relative(mut self, name: &str, at: impl Into<Place>, from: impl Into<Place>) -> Self {
-        self.relative.push(RelativeWish {
+        self.relative.push(RelativeRequest {
             name: name.into(),
             at: at.into(),
             from: from.into(),
@@ -198,7 +198,7 @@ impl OutputPlan {
         zone: JointZone,
         quantities: JointQuantities,
     ) -> Self {
-        self.joints.push(JointWish {
+        self.joints.push(JointRequest {
             name: name.into(),
             joint: joint.into(),
             zone,
@@ -209,7 +209,7 @@ impl OutputPlan {
     /// Adds the forces of a cut through an element set.
     #[must_use]
     pub fn cut(mut self, set: &str, cut: Cut) -> Self {
-        self.cuts.push(CutWish {
+        self.cuts.push(SectionRequest {
             cut,
             set: set.into(),
         });

@@ -14,7 +14,7 @@ use powerhouse_explicit_core::{BoltSet, HandOverReport, HourglassShare, RunRepor
 use powerhouse_model::{Cadence, ElementKind, JointRecord, Mesh, ModelError, Observer};
 
 use super::sampling;
-use super::{BoltForces, CutWish, JointWish, OutputPlan, Remembered};
+use super::{BoltForces, JointRequest, OutputPlan, SectionRequest, StateVariables};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 
@@ -51,11 +51,11 @@ pub struct Results {
     pub energies: HistoryTable,
     /// Greatest values.
     pub envelope: Option<EnvelopeTable>,
-    /// The greatest of what laws remember, if any does.
+    /// The envelopes of the laws' history variables, if any has some.
     pub state: Option<StateTable>,
     /// Joints: shares of area, greatest slips and openings and energies against time.
     pub joint_histories: HistoryTable,
-    /// What has become of each joint, and of the parts of joints that were asked for.
+    /// Final contact state and peak values of each joint, and of the parts of joints that were asked for.
     pub joint_outcomes: Vec<JointOutcome>,
     /// The pairs of each joint at the end, with what has become of them over the run.
     pub joints: Vec<JointTable>,
@@ -214,7 +214,7 @@ impl Recordings {
         plan: &OutputPlan,
         mesh: &Mesh,
         present: Option<&[bool]>,
-        remembered: &Remembered,
+        state_variables: &StateVariables,
         remarks: &mut Vec<Remark>,
     ) -> Result<(Self, Vec<Box<dyn Observer>>), Error> {
         let mut observers: Vec<Box<dyn Observer>> = Vec::new();
@@ -230,7 +230,7 @@ impl Recordings {
             bolts: None,
             present: present.map(<[bool]>::to_vec),
         };
-        let (history, mut in_vain) = histories(plan, mesh, present, remembered)?;
+        let (history, mut in_vain) = histories(plan, mesh, present, state_variables)?;
         remarks.append(&mut in_vain);
         if !history.is_empty() {
             recordings.histories = Some(history.recording());
@@ -270,7 +270,7 @@ impl Recordings {
             recordings.envelope = Some(envelope.recording());
             observers.push(Box::new(envelope));
         }
-        if let Some(peaks) = remembered.peaks(plan, mesh)? {
+        if let Some(peaks) = state_variables.peaks(plan, mesh)? {
             recordings.state = Some(peaks.recording());
             observers.push(Box::new(peaks));
         }
@@ -418,7 +418,7 @@ fn whole((name, surface): &NamedSurface) -> JointWatch {
     }
 }
 
-impl JointWish {
+impl JointRequest {
     /// The pairs that it asks for.
     fn watch(&self, mesh: &Mesh, surfaces: &[NamedSurface]) -> Result<JointWatch, Error> {
         let of_name = surfaces.iter().find(|(name, _)| *name == self.joint);
@@ -441,7 +441,7 @@ fn histories(
     plan: &OutputPlan,
     mesh: &Mesh,
     present: Option<&[bool]>,
-    remembered: &Remembered,
+    state_variables: &StateVariables,
 ) -> Result<(History, Vec<Remark>), Error> {
     let mut builder = History::builder(Cadence::Seconds(plan.every));
     if let Some(present) = present {
@@ -466,11 +466,11 @@ fn histories(
     let asked = RefCell::new(Vec::new());
     let variables = |element| {
         asked.borrow_mut().push(element);
-        remembered.of_element(element).to_vec()
+        state_variables.of_element(element).to_vec()
     };
     let history = builder.build_with(mesh, variables).map_err(model)?;
     let places = plan.state.places.iter().zip(asked.into_inner());
-    let in_vain = places.filter(|(_, element)| remembered.of_element(*element).is_empty());
+    let in_vain = places.filter(|(_, element)| state_variables.of_element(*element).is_empty());
     let remarks = in_vain.map(|(wish, element)| Remark::NoState {
         name: wish.name.clone(),
         element: mesh.element_tags()[element as usize],
@@ -479,7 +479,7 @@ fn histories(
 }
 
 /// The doubt about a cut through linear tetrahedra among some elements.
-fn through_tetrahedra(mesh: &Mesh, wish: &CutWish, elements: &[u32]) -> Option<Remark> {
+fn through_tetrahedra(mesh: &Mesh, wish: &SectionRequest, elements: &[u32]) -> Option<Remark> {
     let Cut {
         point,
         normal,

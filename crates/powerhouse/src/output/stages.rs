@@ -10,9 +10,9 @@ use super::drawing::file_name;
 use super::joints::{JointFacets, scalars};
 use super::vtu::{numbers, unit};
 use crate::joint::NamedSurface;
-use crate::{Error, StageAtRest, StageSink};
+use crate::{CompletedStage, Error, StageSink};
 
-/// Writes what stages leave: `NUMBER-NAME.vtu` with displacement, stress, what laws remember and which
+/// Writes what stages leave: `NUMBER-NAME.vtu` with displacement, stress, the history variables of laws and which
 /// elements are there; beside it a file for the facets of each joint and a table for each make of
 /// bolts.
 pub(super) struct StageFiles {
@@ -38,7 +38,7 @@ impl StageFiles {
         })
     }
 
-    fn write(&mut self, stage: &StageAtRest) -> Result<(), IoError> {
+    fn write(&mut self, stage: &CompletedStage) -> Result<(), IoError> {
         let mut present = vec![true; stage.mesh.element_count()];
         for &element in &stage.state.absent {
             present[element as usize] = false;
@@ -67,7 +67,7 @@ impl StageFiles {
     }
 
     /// Writes the body; the number of the stage stands for the time.
-    fn body(&self, file: &Path, stage: &StageAtRest) -> Result<(), IoError> {
+    fn body(&self, file: &Path, stage: &CompletedStage) -> Result<(), IoError> {
         let count = stage.mesh.element_count();
         let displacement = stage
             .state
@@ -76,7 +76,7 @@ impl StageFiles {
             .flat_map(|u| [u.x, u.y, u.z]);
         let displacement: Vec<f64> = displacement.collect();
         let stress: Vec<f64> = stage.stress.iter().flat_map(|stress| stress.0).collect();
-        let remembered: Vec<(&HistoryVariable, Vec<f64>)> = (stage.variables.iter())
+        let state_variables: Vec<(&HistoryVariable, Vec<f64>)> = (stage.variables.iter())
             .map(|variable| (variable, shown(stage.state, variable, count)))
             .collect();
         let field = |(name, unit), components, numbers, values| VtuField {
@@ -93,7 +93,7 @@ impl StageFiles {
             &displacement,
         )];
         let mut elemental = vec![field(("stress", "Pa"), 6, VtuNumbers::Real, &stress)];
-        for (variable, values) in &remembered {
+        for (variable, values) in &state_variables {
             let name = (variable.name, unit(variable.unit));
             elemental.push(field(name, 1, numbers(variable), values));
         }
@@ -119,7 +119,7 @@ fn shown(state: &State, variable: &HistoryVariable, count: usize) -> Vec<f64> {
 }
 
 impl StageSink for StageFiles {
-    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         Ok(self.write(stage)?)
     }
 }

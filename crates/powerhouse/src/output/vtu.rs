@@ -193,7 +193,7 @@ impl EnvelopeFields {
             flags: Vec::new(),
         }
     }
-    /// What laws remember: the greatest of every amount that was ever above zero, flags as they were
+    /// History variables of laws: the greatest of every amount that was ever above zero, flags as they were
     /// last.
     pub(super) fn of_state(state: &StateTable, mesh: &Mesh) -> Self {
         let (elements, count) = (&state.elements, mesh.element_count());

@@ -12,7 +12,7 @@ use powerhouse_wavefield::{
 
 use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
-use crate::acting::Lasting;
+use crate::acting::StagedLoad;
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_DENSITY};
 use crate::scene::InitialMotion;
@@ -285,8 +285,8 @@ pub(super) fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault
 }
 
 /// What acts on a body: forces at nodes, or an acceleration (m/s2) of all masses.
-pub(super) enum Acting {
-    Load(Lasting),
+pub(super) enum LoadOrWeight {
+    Load(StagedLoad),
     Weight(Vec3, Box<dyn TimeFunction>),
 }
 
@@ -294,8 +294,8 @@ pub(super) fn loads(names: &Names, loads: &[At<Load>], scene: &mut Scene) -> Res
     let facets = |set: &At<String>| names.facets(set).map(<[Facet]>::to_vec);
     for table in loads {
         match load(names, table, &facets)? {
-            Acting::Load(load) => scene.loads.push(load),
-            Acting::Weight(acceleration, history) => {
+            LoadOrWeight::Load(load) => scene.loads.push(load),
+            LoadOrWeight::Weight(acceleration, history) => {
                 scene.weights.push((acceleration, history.into()));
             }
         }
@@ -307,7 +307,11 @@ pub(super) fn loads(names: &Names, loads: &[At<Load>], scene: &mut Scene) -> Res
 type FacetsOf<'f> = dyn Fn(&At<String>) -> Result<Vec<Facet>, Fault> + 'f;
 
 /// A load, on what its facet set stands for.
-pub(super) fn load(names: &Names, load: &At<Load>, facets: &FacetsOf) -> Result<Acting, Fault> {
+pub(super) fn load(
+    names: &Names,
+    load: &At<Load>,
+    facets: &FacetsOf,
+) -> Result<LoadOrWeight, Fault> {
     let history = |factor: f64| history(load.function(), factor, load);
     let refused = |error| {
         let set = load.set().map_or(load.span(), At::span);
@@ -318,7 +322,7 @@ pub(super) fn load(names: &Names, load: &At<Load>, facets: &FacetsOf) -> Result<
         Load::Gravity { acceleration, .. } => {
             let acceleration = acceleration.map_or(GRAVITY, Positive::get);
             let downwards = Vec3::new(0.0, 0.0, -acceleration);
-            return Ok(Acting::Weight(downwards, history(1.0)?));
+            return Ok(LoadOrWeight::Weight(downwards, history(1.0)?));
         }
         Load::Pressure { set, pressure, .. } => {
             let history = history(pressure.get())?;
@@ -359,7 +363,7 @@ pub(super) fn load(names: &Names, load: &At<Load>, facets: &FacetsOf) -> Result<
             Box::new(load)
         }
     };
-    Ok(Acting::Load(Lasting::new(load, removed_in)))
+    Ok(LoadOrWeight::Load(StagedLoad::new(load, removed_in)))
 }
 
 /// A function of time, times a factor.

@@ -11,8 +11,8 @@ use crate::format::{
     At, Finite, History, JointHistory, JointQuantity, Output, Positive, Quantity, Section,
 };
 use crate::output::{
-    CutWish, EnvelopeWish, HistoryWish, JointWish, OutputPlan, RelativeWish, SnapshotWish,
-    StressWish,
+    EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,
+    SnapshotRequest, StressRequest,
 };
 use crate::{JointZone, SceneJoint};
 
@@ -71,7 +71,7 @@ pub(super) fn plan(
             site.without_point()?;
         }
         let name = wish.name.to_string();
-        plan.relative.push(RelativeWish { name, at, from });
+        plan.relative.push(RelativeRequest { name, at, from });
     }
     for section in &output.sections {
         plan.cuts.push(cut(names, section)?);
@@ -95,7 +95,7 @@ pub(super) fn plan(
         if quantities.contains(&Quantity::State) {
             plan.state.every = Some(envelope.every.as_ref().map_or(plan.every, |e| e.get()));
         }
-        plan.envelope = Some(EnvelopeWish {
+        plan.envelope = Some(EnvelopeRequest {
             motion: motion(&quantities),
             stress: quantities.contains(&Quantity::Stress),
             sets,
@@ -106,7 +106,7 @@ pub(super) fn plan(
         let default = [Quantity::Displacement, Quantity::Velocity];
         let quantities = quantities(&snapshots.quantities, &default)?;
         plan.state.snapshots = quantities.contains(&Quantity::State);
-        plan.snapshots = Some(SnapshotWish {
+        plan.snapshots = Some(SnapshotRequest {
             fields: SnapshotFields {
                 motion: motion(&quantities),
                 stress: quantities.contains(&Quantity::Stress),
@@ -214,7 +214,7 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
     }
     let motion = motion(&wanted);
     if motion != Motion::default() {
-        plan.histories.push(HistoryWish {
+        plan.histories.push(HistoryRequest {
             name,
             place,
             motion,
@@ -224,7 +224,7 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
 }
 
 /// What is wanted of a joint.
-fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<JointWish, Fault> {
+fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<JointRequest, Fault> {
     let of_name = |joint: &&SceneJoint| joint.name == *wish.joint;
     let Some(joint) = joints.iter().find(of_name) else {
         let available = joints.iter().map(|joint| joint.name.clone()).collect();
@@ -260,7 +260,7 @@ fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<Jo
             }
         }
     };
-    Ok(JointWish {
+    Ok(JointRequest {
         name: wish.name.to_string(),
         joint: joint.name.clone(),
         zone,
@@ -270,7 +270,7 @@ fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<Jo
 
 /// Adds what is wanted of an element.
 fn in_element(plan: &mut OutputPlan, wanted: &[Quantity], name: &str, place: &StressPlace) {
-    let wish = || StressWish {
+    let wish = || StressRequest {
         name: name.into(),
         place: place.clone(),
     };
@@ -356,10 +356,10 @@ impl Site<'_> {
     }
 }
 
-fn cut(names: &Names, section: &Section) -> Result<CutWish, Fault> {
+fn cut(names: &Names, section: &Section) -> Result<SectionRequest, Fault> {
     names.elements(&section.set)?;
     let point = vector(&section.at);
-    Ok(CutWish {
+    Ok(SectionRequest {
         cut: Cut {
             name: section.name.to_string(),
             point,

@@ -14,7 +14,7 @@ use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, GRAVITY, NonNegative, Positive, SceneFile, StageSupport};
-use crate::scene::StagePlaces;
+use crate::scene::StageSpans;
 use crate::stage::{Timeline, check_removal, surface_of};
 use crate::{BoltPlace, InSituStress, Material, Scene, SceneBolts, SceneStage};
 
@@ -64,8 +64,8 @@ pub(super) fn stages(
             };
             let own = &mut scene.stages[place];
             match loads::load(names, load, &facets)? {
-                loads::Acting::Load(load) => own.loads.push(load),
-                loads::Acting::Weight(acceleration, history) => {
+                loads::LoadOrWeight::Load(load) => own.loads.push(load),
+                loads::LoadOrWeight::Weight(acceleration, history) => {
                     own.weights.push((acceleration, history.into()));
                 }
             }
@@ -75,8 +75,8 @@ pub(super) fn stages(
 }
 
 /// Where stages stand, and what they name.
-fn places(file: &SceneFile) -> StagePlaces {
-    let mut places = StagePlaces::default();
+fn places(file: &SceneFile) -> StageSpans {
+    let mut places = StageSpans::default();
     let mut put = |stage: Option<&At<String>>, key, value: &str, place| {
         let stage = stage.map(|stage| stage.to_string());
         places.items.insert((stage, key, value.to_owned()), place);

@@ -7,7 +7,7 @@ use powerhouse_explicit_core::{BlockFactory, BlockOptions, ModelBuilder, Prescri
 use powerhouse_model::ElementKind;
 
 use super::Scene;
-use crate::acting::{Lasting, function};
+use crate::acting::{StagedLoad, function};
 use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneDoubt};
 
 /// Elements of one part that one kernel computes with one material.
@@ -127,7 +127,7 @@ impl Scene {
     }
 
     /// Whether a load is not yet taken off in a stage, or when the body moves.
-    fn is_there(&self, lasting: &Lasting, stage: Option<usize>) -> bool {
+    fn is_there(&self, lasting: &StagedLoad, stage: Option<usize>) -> bool {
         let Some(name) = &lasting.removed_in else {
             return true;
         };

@@ -1,23 +1,23 @@
-//! What the laws of a scene remember, in numbers.
+//! History variables of the laws of a scene, in numbers.
 
 use powerhouse_model::HistoryVariable;
 
 use super::Scene;
 use crate::Error;
 
-/// How much the laws of a scene remember.
+/// The number of history variables of the laws of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LawMemory {
     /// Numbers at all points together, once.
     pub numbers: usize,
-    /// Elements whose law remembers something that is shown.
+    /// Elements whose law has history variables that are shown.
     pub elements: usize,
     /// What is shown of it, each name once: all but what damping needs for itself.
     pub variables: Vec<HistoryVariable>,
 }
 
 impl Scene {
-    /// How much the laws remember, rims and relaxation mechanisms reckoned in.
+    /// The number of history variables of the laws, rims and relaxation mechanisms reckoned in.
     ///
     /// # Errors
     /// A set that does not exist, a rim without an element, damping that has no place in its law.

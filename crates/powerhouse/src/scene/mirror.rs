@@ -4,7 +4,7 @@ use powerhouse_explicit_core::Support;
 use powerhouse_model::{Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 use thiserror::Error;
 
-use super::{Places, Scene};
+use super::{Scene, SceneSpans};
 use crate::Error;
 
 /// How the other half of a body moves.
@@ -151,7 +151,7 @@ impl Scene {
         for (index, mirror) in self.mirrors.iter().enumerate() {
             self.check_mirror(mirror)
                 .map_err(|error| match self.places.mirrors.get(index) {
-                    Some(place) => Places::put_at(&self.source, place.clone(), error),
+                    Some(place) => SceneSpans::put_at(&self.source, place.clone(), error),
                     None => error,
                 })?;
         }

@@ -7,11 +7,11 @@ mod joints;
 mod medium;
 mod memory;
 mod mirror;
-mod places;
 mod prepare;
 mod region;
 mod rim;
 mod soundness;
+mod spans;
 mod surroundings;
 
 pub(crate) use body::Piece;
@@ -19,9 +19,9 @@ pub use boundary::Boundary;
 pub(crate) use file::read_text;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
-pub(crate) use places::{NOT_AT_REST, Places, StagePlaces};
 pub(crate) use prepare::field_motion;
 pub use region::RegionError;
+pub(crate) use spans::{NOT_AT_REST, SceneSpans, StageSpans};
 pub(crate) use surroundings::box_corners;
 
 use std::collections::BTreeMap;
@@ -37,18 +37,18 @@ use powerhouse_model::{
 
 use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 
-use crate::acting::{Lasting, SharedFunction};
+use crate::acting::{SharedFunction, StagedLoad};
 use crate::output::{OutputPlan, ResultFolder};
 use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
 
 /// Nodes whose motion is given, in every model of a scene.
-pub(crate) struct Driven {
+pub(crate) struct PrescribedMotion {
     pub(crate) nodes: Vec<u32>,
     pub(crate) direction: Vec3,
     pub(crate) displacement: SharedFunction,
 }
 
-impl From<Prescribed> for Driven {
+impl From<Prescribed> for PrescribedMotion {
     fn from(prescribed: Prescribed) -> Self {
         Self {
             nodes: prescribed.nodes,
@@ -127,8 +127,8 @@ pub struct Scene {
     pub(crate) supports: Vec<Support>,
     pub(crate) mirrors: Vec<Mirror>,
     pub(crate) periodic: Vec<PeriodicPairs>,
-    pub(crate) prescribed: Vec<Driven>,
-    pub(crate) loads: Vec<Lasting>,
+    pub(crate) prescribed: Vec<PrescribedMotion>,
+    pub(crate) loads: Vec<StagedLoad>,
     pub(crate) weights: Vec<(Vec3, SharedFunction)>,
     pub(crate) constraints: Vec<Box<dyn Constraint>>,
     pub(crate) joints: Vec<SceneJoint>,
@@ -149,7 +149,7 @@ pub struct Scene {
     pub(crate) remarks: Vec<Remark>,
     pub(crate) records: BTreeMap<String, TimeHistory>,
     pub(crate) source: Option<Arc<SceneText>>,
-    pub(crate) places: Places,
+    pub(crate) places: SceneSpans,
     pub(crate) directory: Option<PathBuf>,
     /// The names of the cases in its file.
     pub(crate) cases: Vec<String>,
@@ -193,7 +193,7 @@ impl Scene {
             remarks: Vec::new(),
             records: BTreeMap::new(),
             source: None,
-            places: Places::default(),
+            places: SceneSpans::default(),
             directory: None,
             cases: Vec::new(),
             cases_on_request: Vec::new(),
@@ -266,7 +266,7 @@ impl Scene {
     /// Adds a load.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
-        self.loads.push(Lasting::new(Box::new(load), None));
+        self.loads.push(StagedLoad::new(Box::new(load), None));
         self
     }
     /// Adds a load that a stage takes off again, by name: what it leaves out of balance comes on the
@@ -279,7 +279,7 @@ impl Scene {
         removed_in: impl Into<String>,
     ) -> Self {
         let removed_in = Some(removed_in.into());
-        (self.loads).push(Lasting::new(Box::new(load), removed_in));
+        (self.loads).push(StagedLoad::new(Box::new(load), removed_in));
         self
     }
     /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.

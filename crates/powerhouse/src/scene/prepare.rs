@@ -9,9 +9,9 @@ use powerhouse_model::{
     NodalImpedance, State, Vec3,
 };
 
-use super::{InitialMotion, Piece, Places, ResidualLimit, Scene, TimeStep};
+use super::{InitialMotion, Piece, ResidualLimit, Scene, SceneSpans, TimeStep};
 use crate::joint::{Closing, NamedSurface};
-use crate::output::{Recordings, Remembered};
+use crate::output::{Recordings, StateVariables};
 use crate::stage::{Staging, Timeline, last_renewal};
 use crate::{Error, InSituStress, Remark, Simulation};
 
@@ -70,12 +70,12 @@ impl Scene {
                 renewal,
             })
         }));
-        let remembered = Remembered::of(&self, &rims)?;
+        let state_variables = StateVariables::of(&self, &rims)?;
         let mut observed = Recordings::observe(
             &self.output,
             &self.mesh,
             timeline.as_ref().and_then(Timeline::present),
-            &remembered,
+            &state_variables,
             &mut remarks,
         )?;
         let own = core::mem::take(&mut self.constraints);
@@ -117,13 +117,13 @@ impl Scene {
             (self.source.clone(), self.places.clone()),
             field,
             (self.output.clone(), observed),
-            remembered.variables.clone(),
+            state_variables.variables.clone(),
             core::mem::take(&mut self.remarks),
             timeline.map(|timeline| Staging {
                 scene: self,
                 pieces,
                 timeline,
-                variables: remembered.variables,
+                variables: state_variables.variables,
             }),
         ))
     }
@@ -223,7 +223,7 @@ impl Scene {
         remarks.extend(self.doubts_around(&facets, &site)?);
         let layer = self.region_layer(&site, present);
         let layer = layer.map_err(|error| match error {
-            Error::Region(_) => Places::put_at(&self.source, self.places.region.clone(), error),
+            Error::Region(_) => SceneSpans::put_at(&self.source, self.places.region.clone(), error),
             other => other,
         })?;
         let condition: Arc<dyn AbsorbingBoundary> = match layer {
@@ -234,7 +234,7 @@ impl Scene {
             }
         };
         let parts = condition.build(&site).map_err(|error| {
-            Places::put_at(&self.source, self.places.boundary.clone(), error.into())
+            SceneSpans::put_at(&self.source, self.places.boundary.clone(), error.into())
         })?;
         let springs = |node: &NodalImpedance| node.spring != Mat3::zeros();
         if boundary.scatterer.is_none() && parts.impedance.iter().any(springs) {

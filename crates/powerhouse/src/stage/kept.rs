@@ -12,13 +12,13 @@ use powerhouse_model::{
     Vec3,
 };
 
-use super::BodyAtRest;
+use super::EquilibratedBody;
 use crate::Error;
 
 /// What a file begins with; the number goes up with every change of what follows.
 const HEAD: &[u8] = b"powerhouse body at rest 3\n";
 
-impl BodyAtRest {
+impl EquilibratedBody {
     /// Writes the body as a file, whole or not at all.
     ///
     /// # Errors
@@ -281,4 +281,4 @@ kept_fields!(HourglassShare {
     hourglass,
     internal,
 });
-kept_fields!(BodyAtRest { state, stages });
+kept_fields!(EquilibratedBody { state, stages });

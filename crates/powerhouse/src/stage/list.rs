@@ -6,7 +6,7 @@ use powerhouse_explicit_core::{StaticOptions, Support};
 use powerhouse_model::{NodalLoad, Renewal, TimeFunction, Vec3};
 
 use crate::Material;
-use crate::acting::{Lasting, SharedFunction};
+use crate::acting::{SharedFunction, StagedLoad};
 use crate::joint::Closing;
 
 /// What is done to a body before it moves, until it is at rest again.
@@ -37,7 +37,7 @@ pub struct SceneStage {
     pub(crate) cast: Vec<String>,
     pub(crate) parts: Vec<(String, Material)>,
     pub(crate) supports: Vec<Support>,
-    pub(crate) loads: Vec<Lasting>,
+    pub(crate) loads: Vec<StagedLoad>,
     pub(crate) weights: Vec<(Vec3, SharedFunction)>,
     pub(crate) bolts: Vec<String>,
     pub(crate) tied: Vec<String>,
@@ -96,7 +96,7 @@ impl SceneStage {
     /// Adds a load that stays for good.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
-        self.loads.push(Lasting::new(Box::new(load), None));
+        self.loads.push(StagedLoad::new(Box::new(load), None));
         self
     }
     /// Adds a load that a later stage takes off again, by name: what it leaves out of balance comes on the
@@ -109,7 +109,7 @@ impl SceneStage {
         removed_in: impl Into<String>,
     ) -> Self {
         let removed_in = Some(removed_in.into());
-        (self.loads).push(Lasting::new(Box::new(load), removed_in));
+        (self.loads).push(StagedLoad::new(Box::new(load), removed_in));
         self
     }
     /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.

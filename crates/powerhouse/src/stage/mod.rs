@@ -16,6 +16,6 @@ pub use in_situ::{InSituError, InSituStress};
 pub use list::SceneStage;
 pub(crate) use list::last_renewal;
 pub use overview::StageOverview;
-pub use rest::{BodyAtRest, StageAtRest, StageSink};
-pub(crate) use rest::{Rested, Staging};
+pub use rest::{CompletedStage, EquilibratedBody, StageSink};
+pub(crate) use rest::{Staging, StagingOutcome};
 pub(crate) use timeline::{Timeline, check_removal};

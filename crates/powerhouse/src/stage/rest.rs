@@ -21,7 +21,7 @@ const SAME: f64 = 1.0e-3;
 /// A stage that has come to rest.
 #[derive(Debug)]
 #[non_exhaustive]
-pub struct StageAtRest<'a> {
+pub struct CompletedStage<'a> {
     /// Its place among the stages, from zero.
     pub index: usize,
     /// How many stages there are.
@@ -30,11 +30,11 @@ pub struct StageAtRest<'a> {
     pub report: &'a StageReport,
     /// The mesh, elements that are not there among the others.
     pub mesh: &'a Mesh,
-    /// The body: displacement, absent elements, what laws and joints remember.
+    /// The body: displacement, absent elements, history variables of laws and joints.
     pub state: &'a State,
     /// Mean stress (Pa), initial stress included, one per element of the mesh.
     pub stress: &'a [Stress],
-    /// What the laws remember.
+    /// The history variables of the laws.
     pub variables: &'a [HistoryVariable],
     /// The bolts that are installed by now.
     pub bolts: Vec<&'a BoltSet>,
@@ -48,17 +48,17 @@ pub trait StageSink: Send {
     ///
     /// # Errors
     /// Ends the run.
-    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error>;
+    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error>;
 }
 
 /// A body at the end of the stages of a scene, from which it and its other cases can be set in motion.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BodyAtRest {
+pub struct EquilibratedBody {
     pub(crate) state: State,
     pub(crate) stages: Vec<StageReport>,
 }
 
-impl BodyAtRest {
+impl EquilibratedBody {
     /// Its state.
     pub fn state(&self) -> &State {
         &self.state
@@ -71,7 +71,7 @@ impl BodyAtRest {
 
 /// What the stages of a scene came to.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Rested {
+pub(crate) struct StagingOutcome {
     pub(crate) stages: Vec<StageReport>,
     pub(crate) hand_over: HandOverReport,
 }
@@ -98,8 +98,11 @@ impl Staging {
 
     /// Sets a body that its stages have brought to rest in motion: its model, and what the stages came
     /// to.
-    pub(crate) fn set_in_motion(&self, body: BodyAtRest) -> Result<(Model, Rested), Error> {
-        let BodyAtRest { state, stages } = body;
+    pub(crate) fn set_in_motion(
+        &self,
+        body: EquilibratedBody,
+    ) -> Result<(Model, StagingOutcome), Error> {
+        let EquilibratedBody { state, stages } = body;
         let expected = self.timeline.bare_state(self.scene.mesh.node_count());
         if state.absent != expected.absent
             || state.displacement.len() != expected.displacement.len()
@@ -112,7 +115,7 @@ impl Staging {
             });
         }
         let (model, hand_over) = self.hand_over(state)?;
-        Ok((model, Rested { stages, hand_over }))
+        Ok((model, StagingOutcome { stages, hand_over }))
     }
 
     /// Goes through the stages.
@@ -120,7 +123,7 @@ impl Staging {
         &self,
         stop: Option<&Arc<AtomicBool>>,
         mut sink: Option<Box<dyn StageSink + '_>>,
-    ) -> Result<BodyAtRest, Error> {
+    ) -> Result<EquilibratedBody, Error> {
         let mesh = &*self.scene.mesh;
         let mut state = State::at_rest(mesh.node_count());
         if let Some(stress) = &self.scene.in_situ_stress {
@@ -139,7 +142,7 @@ impl Staging {
             let report;
             (state, stress, report) = self.bring_to_rest(index, state, stop, &mut sink)?;
             if let Some(sink) = &mut sink {
-                sink.at_rest(&StageAtRest {
+                sink.at_rest(&CompletedStage {
                     index,
                     count: self.scene.stages.len(),
                     report: &report,
@@ -152,7 +155,7 @@ impl Staging {
             }
             stages.push(report);
         }
-        Ok(BodyAtRest { state, stages })
+        Ok(EquilibratedBody { state, stages })
     }
 
     /// One stage: the state afterwards, its stress, and what it took.

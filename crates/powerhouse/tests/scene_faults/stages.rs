@@ -196,7 +196,10 @@ fn faults_of_stages_have_their_place() {
     let Err(Error::Scene(fault)) = read(&none) else {
         panic!("an in-situ stress without a stage was accepted")
     };
-    assert!(fault.to_string().contains("need a stage"), "{fault}");
+    assert!(
+        fault.to_string().contains("only in a scene with stages"),
+        "{fault}"
+    );
     let line = none[..none.find("[in_situ_stress]").unwrap()]
         .matches('\n')
         .count()

@@ -293,7 +293,7 @@ fn a_rim_is_elastic_and_undamped() {
         );
         let found = simulation.run(Default::default()).unwrap();
         assert_eq!(found.histories, twin.histories, "{width}");
-        // Rims remember nothing.
+        // Rims have no history variables.
         let state = found.state.unwrap();
         assert_eq!(state.elements.len(), 216 - elements);
     }

@@ -5,7 +5,7 @@ use powerhouse::engine::{NodalForce, SolidKernel, StaticMethod, StaticOptions, S
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Bond, ContactState, ElasticMedium, JointRecord, Mesh, Vec3};
 use powerhouse::{
-    BodyAtRest, InitialGap, JointZone, Material, Part, Remark, Results, RunHooks, Scene,
+    EquilibratedBody, InitialGap, JointZone, Material, Part, Remark, Results, RunHooks, Scene,
     SceneJoint, SceneStage,
 };
 
@@ -392,7 +392,7 @@ fn grouting_is_carried_over() {
     let body = blocks.scene(plan(true), None).prepare().unwrap();
     let body = body.bring_to_rest(None, None).unwrap().unwrap();
     body.write(&file).unwrap();
-    let back = BodyAtRest::read(&file).unwrap();
+    let back = EquilibratedBody::read(&file).unwrap();
     assert_eq!(back, body);
     assert!(
         back.state().joints[0]

@@ -4,7 +4,7 @@ use powerhouse::engine::observe::JointQuantities;
 use powerhouse::io::read_table;
 use powerhouse::model::{Bond, ContactState, JointRecord, Vec3};
 use powerhouse::{
-    Error, JointWish, JointZone, OutputPlan, ResultFolder, RunHooks, RunNotes, SnapshotWish,
+    Error, JointRequest, JointZone, OutputPlan, ResultFolder, RunHooks, RunNotes, SnapshotRequest,
 };
 
 use crate::joints::{JOINT, folder, halves, read, twin};
@@ -88,7 +88,7 @@ fn wishes() {
         // A joint's history stands among the other output.
         let text = format!("{JOINT}\n{history}{keys}\n");
         let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{keys}: {error}"));
-        let wish = JointWish {
+        let wish = JointRequest {
             name: "p".into(),
             joint: "bedding".into(),
             zone,
@@ -328,7 +328,7 @@ fn snapshots_hold_joints() {
     let (mesh, joint) = twin(&halves());
     let mut scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint);
     let mut plan = scene.output_plan().clone();
-    plan.snapshots = Some(SnapshotWish {
+    plan.snapshots = Some(SnapshotRequest {
         fields: Default::default(),
         every: 0.2,
     });

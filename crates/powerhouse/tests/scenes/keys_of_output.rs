@@ -2,7 +2,7 @@
 
 use powerhouse::engine::observe::{Cut, Motion, Place, SnapshotFields, Spot, StressPlace};
 use powerhouse::model::Vec3;
-use powerhouse::{EnvelopeWish, OutputPlan, SnapshotWish};
+use powerhouse::{EnvelopeRequest, OutputPlan, SnapshotRequest};
 
 use crate::support::*;
 
@@ -84,7 +84,7 @@ fn plans() {
         (
             "[output.envelope]\nquantities = [\"stress\", \"velocity\"]\nsets = [\"rock\"]\nevery = 0.02",
             OutputPlan {
-                envelope: Some(EnvelopeWish {
+                envelope: Some(EnvelopeRequest {
                     motion: velocity,
                     stress: true,
                     sets: vec!["rock".into()],
@@ -96,7 +96,7 @@ fn plans() {
         (
             "[output.envelope]",
             OutputPlan {
-                envelope: Some(EnvelopeWish {
+                envelope: Some(EnvelopeRequest {
                     motion: Motion::ALL,
                     stress: false,
                     sets: Vec::new(),
@@ -108,7 +108,7 @@ fn plans() {
         (
             "[output.snapshots]\nevery = 0.1\nquantities = [\"stress\"]",
             OutputPlan {
-                snapshots: Some(SnapshotWish {
+                snapshots: Some(SnapshotRequest {
                     fields: SnapshotFields {
                         motion: stress,
                         stress: true,

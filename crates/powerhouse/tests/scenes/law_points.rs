@@ -44,7 +44,7 @@ fn implied_strengths_are_told() {
 }
 
 /// Every law of the registry can be led along a path, from a material file alone: it bears stress, and
-/// all but the elastic one remember something then.
+/// all but the elastic one have changed a history variable then.
 #[test]
 fn every_law_is_driven() {
     let folder = Folder::new("laws-driven");
@@ -79,7 +79,7 @@ fn every_law_is_driven() {
         assert_eq!(component, "zz", "{law}");
         assert!(least < -1e6 && greatest > 1e4, "{law}: {least} {greatest}");
         let last = driven.records.last().unwrap();
-        let remembers = last.history.iter().any(|value| *value != 0.0);
-        assert_eq!(remembers, law != "elastic", "{law}");
+        let has_changed = last.history.iter().any(|value| *value != 0.0);
+        assert_eq!(has_changed, law != "elastic", "{law}");
     }
 }

@@ -1,4 +1,4 @@
-//! What laws remember and what their flow and damage cost, in results.
+//! History variables of laws and what their flow and damage cost, in results.
 
 use powerhouse::material::{
     MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, Softening, presets,
@@ -72,7 +72,7 @@ fn energies_of_plastic_flow_and_damage_are_told() {
     assert!(fine < 0.5 * coarse, "{fine} after {coarse}");
 }
 
-/// What laws remember is recorded at places, in envelopes and snapshots by name, and the summary
+/// History variables of laws is recorded at places, in envelopes and snapshots by name, and the summary
 /// names the largest damage and where it is; in a file as in Rust.
 #[test]
 fn what_laws_remember_is_recorded() {
@@ -153,7 +153,7 @@ fn nodes_have_no_state() {
     );
 }
 
-/// A history of the state of an element that remembers nothing is told by its name; one of an element that
+/// A history of the state of an element without history variables is told by its name; one of an element that
 /// does is not.
 #[test]
 fn state_that_nothing_remembers_is_told() {
@@ -173,7 +173,7 @@ fn state_that_nothing_remembers_is_told() {
     let told = |remarks: Vec<String>| {
         remarks
             .iter()
-            .filter(|told| told.contains("remembers"))
+            .filter(|told| told.contains("has no history variables"))
             .count()
     };
     assert!(

@@ -5,7 +5,9 @@ use powerhouse::engine::observe::Motion;
 use powerhouse::engine::{NodalForce, StaticMethod, StaticOptions, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{BodyAtRest, Material, OutputPlan, Part, RunHooks, Scene, SceneJoint, SceneStage};
+use powerhouse::{
+    EquilibratedBody, Material, OutputPlan, Part, RunHooks, Scene, SceneJoint, SceneStage,
+};
 
 use crate::support::*;
 
@@ -78,7 +80,7 @@ fn opened(options: StaticOptions, closed: bool) -> Scene {
         .stage(stage)
 }
 
-fn at_rest(scene: Scene) -> BodyAtRest {
+fn at_rest(scene: Scene) -> EquilibratedBody {
     let rested = scene.prepare().unwrap().bring_to_rest(None, None);
     rested.unwrap().unwrap()
 }

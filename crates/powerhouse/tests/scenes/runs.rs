@@ -13,7 +13,7 @@ use powerhouse::model::{
 };
 use powerhouse::{
     Error, InitialMotion, Kernel, Material, OutputPlan, Part, Registry, ResultFolder, Results,
-    RunHooks, Scene, SnapshotWish, TimeStep,
+    RunHooks, Scene, SnapshotRequest, TimeStep,
 };
 
 use crate::support::*;
@@ -182,11 +182,11 @@ fn a_stopped_run_leaves_complete_output() {
     let mut scene = cube_scene();
     let mut plan = scene.output_plan().clone();
     plan.energies = Some(0.05);
-    plan.snapshots = Some(SnapshotWish {
+    plan.snapshots = Some(SnapshotRequest {
         fields: Default::default(),
         every: 0.05,
     });
-    plan.envelope = Some(powerhouse::EnvelopeWish {
+    plan.envelope = Some(powerhouse::EnvelopeRequest {
         motion: Motion::ALL,
         stress: true,
         sets: Vec::new(),

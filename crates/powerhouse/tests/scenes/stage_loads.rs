@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use powerhouse::engine::{NodalForce, StaticOptions};
 use powerhouse::model::Vec3;
-use powerhouse::{Error, Scene, SceneStage, StageAtRest, StageSink};
+use powerhouse::{CompletedStage, Error, Scene, SceneStage, StageSink};
 
 use crate::stages::{MATERIALS, ROLLERS, folder, mesh, read};
 use crate::support::run;
@@ -42,7 +42,7 @@ function = { kind = "sine", frequency = 5 }
 struct Displacements(Arc<Mutex<Vec<Vec<Vec3>>>>);
 
 impl StageSink for Displacements {
-    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let displacement = stage.state.displacement.clone();
         self.0.lock().unwrap().push(displacement);
         Ok(())

@@ -13,9 +13,9 @@ use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Bond, ElasticMedium, Mesh, Stress, Vec3};
 use powerhouse::{
-    BoltPlace, Boundary, Error, InSituStress, Material, OutputPlan, Part, Preload, Registry,
-    ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts, SceneJoint, SceneStage,
-    StageAtRest, StageSink, StagingError,
+    BoltPlace, Boundary, CompletedStage, Error, InSituStress, Material, OutputPlan, Part, Preload,
+    Registry, ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts, SceneJoint, SceneStage,
+    StageSink, StagingError,
 };
 
 use crate::support::{Folder, SIDES, run};
@@ -362,7 +362,7 @@ struct Seen {
 struct Shown(Arc<Mutex<Vec<Seen>>>);
 
 impl StageSink for Shown {
-    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let joints = stage.state.joints.iter();
         let records = joints.flat_map(|joint| &joint.records);
         let seen = Seen {
@@ -472,7 +472,7 @@ fn a_stage_without_rest_is_named() {
     let error = Error::from(*fault);
     assert!(
         matches!(
-            error.unrest(),
+            error.equilibrium_failure(),
             Some(("ground", StaticError::Floating { .. }))
         ),
         "{error}"

@@ -7,7 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use powerhouse::engine::{StageReport, StaticProgress, StressField};
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Error, InSituStress, Remark, Results, RunHooks, Scene, StageAtRest, StageSink};
+use powerhouse::{
+    CompletedStage, Error, InSituStress, Remark, Results, RunHooks, Scene, StageSink,
+};
 
 use crate::stages::{BOLTS, MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
 use crate::support::{Folder, run};
@@ -62,7 +64,7 @@ impl StageSink for Raise {
         assert_eq!(stage, "trench");
         self.0.store(true, Ordering::Relaxed);
     }
-    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         panic!("{} has come to rest", stage.report.name)
     }
 }
@@ -220,7 +222,7 @@ struct Stresses(Arc<std::sync::Mutex<Vec<StressAtHeight>>>);
 type StressAtHeight = (f64, [f64; 6]);
 
 impl StageSink for Stresses {
-    fn at_rest(&mut self, stage: &StageAtRest) -> Result<(), Error> {
+    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let elements = stage.stress.iter().enumerate();
         let of = elements.map(|(e, stress)| (stage.mesh.centroid(e as u32).z, stress.0));
         *self.0.lock().unwrap() = of.collect();

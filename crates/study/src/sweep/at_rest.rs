@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::model::Mesh;
-use powerhouse::{BodyAtRest, Scene};
+use powerhouse::{EquilibratedBody, Scene};
 
 use super::locked;
 use crate::StudyError;
@@ -34,7 +34,7 @@ pub(super) struct Bodies {
 }
 
 /// Where the body of a key stands, once it is known; who holds it may find it.
-pub(super) type Slot = Arc<Mutex<Option<BodyAtRest>>>;
+pub(super) type Slot = Arc<Mutex<Option<EquilibratedBody>>>;
 
 impl Bodies {
     /// Those of files that an earlier sweep left in the folder.
@@ -52,15 +52,15 @@ impl Bodies {
     }
 
     /// The body of a key from its file. One that is not whole, or of another version, is as none.
-    pub(super) fn read(&self, key: &str) -> Option<BodyAtRest> {
-        BodyAtRest::read(&self.file(key)).ok()
+    pub(super) fn read(&self, key: &str) -> Option<EquilibratedBody> {
+        EquilibratedBody::read(&self.file(key)).ok()
     }
 
     /// Keeps a body in a file.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(super) fn write(&self, key: &str, body: &BodyAtRest) -> Result<(), StudyError> {
+    pub(super) fn write(&self, key: &str, body: &EquilibratedBody) -> Result<(), StudyError> {
         Ok(body.write(&self.file(key))?)
     }
 

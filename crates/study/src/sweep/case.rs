@@ -9,7 +9,7 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    BodyAtRest, Doubt, Error, Fault, ResultFolder, RunHooks, RunNotes, Scene, SceneFault,
+    Doubt, EquilibratedBody, Error, Fault, ResultFolder, RunHooks, RunNotes, Scene, SceneFault,
     SceneText, Simulation, format,
 };
 
@@ -20,8 +20,8 @@ use super::{
 };
 use crate::{FreeFieldCheck, OutputSize, StudyError, Warning, warnings};
 
-/// Who may stop a case, and who is told how it goes.
-pub(super) struct Hearing<'h, 'w> {
+/// Cancellation flag and progress callback of a case.
+pub(super) struct CaseControl<'h, 'w> {
     pub(super) stop: Option<&'h Arc<AtomicBool>>,
     pub(super) watch: &'h Mutex<&'w mut dyn SweepWatch>,
 }
@@ -31,7 +31,7 @@ impl Sweep {
     pub(super) fn case(
         &self,
         case: &str,
-        hearing: &Hearing,
+        control: &CaseControl,
         bodies: &Bodies,
     ) -> Result<CaseOutcome, StudyError> {
         let scene = self.scene_of(case)?;
@@ -60,11 +60,11 @@ impl Sweep {
         folder.clear()?;
         if let Some((check, limit)) = check {
             let hooks = RunHooks {
-                stop: hearing.stop.cloned(),
+                stop: control.stop.cloned(),
                 ..RunHooks::default()
             };
             let found = check.run(step, hooks)?;
-            locked(hearing.watch).self_check(case, found.largest());
+            locked(control.watch).self_check(case, found.largest());
             found.require(limit)?;
         }
 
@@ -74,11 +74,11 @@ impl Sweep {
             remarks: simulation.remarks().to_vec(),
             warnings: doubts,
         };
-        locked(hearing.watch).warns(case, &notes, lock.remark());
+        locked(control.watch).warns(case, &notes, lock.remark());
         let hooks = RunHooks {
-            at_rest: at_rest(&simulation, (case, &body), &folder, (hearing, bodies))?,
-            progress: locked(hearing.watch).progress(case),
-            stop: hearing.stop.cloned(),
+            at_rest: at_rest(&simulation, (case, &body), &folder, (control, bodies))?,
+            progress: locked(control.watch).progress(case),
+            stop: control.stop.cloned(),
             snapshots: Some(folder.snapshots(&simulation)?),
             ..RunHooks::default()
         };
@@ -92,7 +92,7 @@ impl Sweep {
         if let Some(failure) = failure {
             return Err(Error::from(failure).into());
         }
-        let stop = hearing.stop;
+        let stop = control.stop;
         let stopped = stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
         let ended = &results.run.ended;
         if *ended == Ended::Stopped || (stopped && *ended != Ended::Completed) {
@@ -147,8 +147,8 @@ fn at_rest(
     simulation: &Simulation,
     (case, key): (&str, &str),
     folder: &ResultFolder,
-    (hearing, bodies): (&Hearing, &Bodies),
-) -> Result<Option<BodyAtRest>, StudyError> {
+    (control, bodies): (&CaseControl, &Bodies),
+) -> Result<Option<EquilibratedBody>, StudyError> {
     let slot = bodies.slot(key);
     // Others that need the same body wait for it here.
     let mut at_rest = locked(&slot);
@@ -158,14 +158,14 @@ fn at_rest(
     if at_rest.is_none() {
         let started = Instant::now();
         let files = folder.stages(simulation)?;
-        let told = locked(hearing.watch).stages(case, files);
-        let found = simulation.bring_to_rest(hearing.stop, Some(told));
+        let told = locked(control.watch).stages(case, files);
+        let found = simulation.bring_to_rest(control.stop, Some(told));
         *at_rest = found.map_err(|error| match error {
             Error::Interrupted { .. } => StudyError::Interrupted,
             error => error.into(),
         })?;
         if let Some(found) = &*at_rest {
-            locked(hearing.watch).at_rest(case, started.elapsed());
+            locked(control.watch).at_rest(case, started.elapsed());
             bodies.write(key, found)?;
         }
     }

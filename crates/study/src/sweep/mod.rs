@@ -42,7 +42,7 @@ use powerhouse::{ProgressHook, Registry, ResultFolder, RunNotes, Scene, StageSin
 use crate::mark::Mark;
 use crate::{StudyError, registry};
 use at_rest::Bodies;
-use case::Hearing;
+use case::CaseControl;
 pub use contact::{JointAndLining, JointCase};
 pub use coverage::Coverage;
 pub use damage::PartDamage;
@@ -205,7 +205,7 @@ impl Sweep {
         self.write_inputs()?;
         let bodies = Bodies::in_folder(&self.folder);
         let watch = Mutex::new(watch);
-        let hearing = Hearing {
+        let control = CaseControl {
             stop,
             watch: &watch,
         };
@@ -217,7 +217,7 @@ impl Sweep {
             let outcome = if kept {
                 CaseOutcome::read(&folder.join(OUTCOME))?
             } else {
-                let found = self.case(case, &hearing, &bodies);
+                let found = self.case(case, &control, &bodies);
                 found.map_err(|error| {
                     locked(&watch).fails(case, &error);
                     error.in_case(case)

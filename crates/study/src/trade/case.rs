@@ -8,7 +8,7 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::engine::observe::HistoryTable;
 use powerhouse::io::{TableColumn, read_table, write_summary, write_table};
-use powerhouse::{BodyAtRest, RunHooks, Scene};
+use powerhouse::{EquilibratedBody, RunHooks, Scene};
 use serde::{Deserialize, Serialize};
 
 use super::TradeWatch;
@@ -56,7 +56,7 @@ struct Clock {
 }
 
 /// Where and how long the runs of a trade go.
-pub(super) struct Bench<'a> {
+pub(super) struct TradeRunner<'a> {
     pub(super) stop: Option<&'a Arc<AtomicBool>>,
     /// Duration of a run (s), and of the scene's own.
     pub(super) window: f64,
@@ -67,27 +67,27 @@ pub(super) struct Bench<'a> {
 /// Bodies that have gone through their stages, by what decides of them: the first one, that of the reference,
 /// and the last; each is as large as a model.
 #[derive(Default)]
-pub(super) struct Bodies(Vec<(String, Rested)>);
+pub(super) struct Bodies(Vec<(String, StagingOutcome)>);
 
 /// A body at rest and the wall time of its stages (s).
 #[derive(Clone)]
-struct Rested {
-    body: BodyAtRest,
+struct StagingOutcome {
+    body: EquilibratedBody,
     took: f64,
 }
 
 impl Bodies {
-    fn get(&self, name: &str) -> Option<&Rested> {
+    fn get(&self, name: &str) -> Option<&StagingOutcome> {
         let known = self.0.iter().find(|(other, _)| other == name);
         known.map(|(_, body)| body)
     }
-    fn keep(&mut self, name: &str, body: Rested) {
+    fn keep(&mut self, name: &str, body: StagingOutcome) {
         self.0.truncate(1);
         self.0.push((name.to_owned(), body));
     }
 }
 
-impl Bench<'_> {
+impl TradeRunner<'_> {
     /// What was found before from the same files, if it was finished.
     pub(super) fn kept(&self, folder: &Path, mark: &Mark) -> Result<Option<Finished>, StudyError> {
         if !mark.is_in(&folder.join(MARK)) {
@@ -126,7 +126,7 @@ impl Bench<'_> {
                     error => error.into(),
                 })?;
                 let took = started.elapsed().as_secs_f64();
-                let found = found.map(|body| Rested { body, took });
+                let found = found.map(|body| StagingOutcome { body, took });
                 if let Some(found) = &found {
                     self.bodies.keep(body, found.clone());
                 }

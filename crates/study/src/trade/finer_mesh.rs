@@ -3,7 +3,7 @@
 use powerhouse::Scene;
 use toml::Value;
 
-use super::case::Bench;
+use super::case::TradeRunner;
 use super::misfit::misfit;
 use super::{MeshError, Silent, Trade, TradeWatch, Unrepeated, factor};
 use crate::StudyError;
@@ -53,13 +53,13 @@ impl Trade {
     pub(super) fn error_of_mesh(
         &self,
         (text, left_out): (&str, &[Unrepeated]),
-        bench: &mut Bench,
+        runner: &mut TradeRunner,
         watch: &mut dyn TradeWatch,
     ) -> Result<MeshError, StudyError> {
         let (name, folder) = REFINED;
         let design = vec![0; self.factors.len()];
-        let coarse = self.finish(&design, bench, &mut Silent, name)?;
-        let fine = self.finish_file(text, (folder, folder), bench, (watch, name))?;
+        let coarse = self.finish(&design, runner, &mut Silent, name)?;
+        let fine = self.finish_file(text, (folder, folder), runner, (watch, name))?;
         let compared = self.compared.among(fine.histories);
         let motions = self.compared.motions(&compared);
         let (truth, order) = match motions.len() {

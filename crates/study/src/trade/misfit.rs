@@ -6,7 +6,7 @@ use super::Unrepeated;
 
 /// Histories below this share of the largest of their unit are measured against that share of it.
 const LEAST_SHARE: f64 = 1e-3;
-/// What laws remember without a unit, strains and damage, counts against this at least, and against this
+/// History variables of laws without a unit, strains and damage, counts against this at least, and against this
 /// share of the largest of its variable: where next to nothing cracks, a hairline more or less is no error.
 const LEAST_STATE: f64 = 1e-6;
 const LEAST_SHARE_OF_STATE: f64 = 0.1;
@@ -108,7 +108,7 @@ pub(crate) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<M
 /// Squares summed over the components of one motion or one variable at one place.
 struct Group {
     stem: String,
-    /// The unit; of what has none, which laws remember, the variable.
+    /// The unit; of a history variable without one, its name.
     kind: String,
     difference: f64,
     size: f64,
@@ -210,7 +210,7 @@ mod tests {
         assert!((found.error - 0.02).abs() < 1e-12, "{found:?}");
     }
 
-    /// What laws remember has no unit: each variable is measured against its own size, components together.
+    /// History variables of laws has no unit: each variable is measured against its own size, components together.
     #[test]
     fn variables_without_a_unit_are_measured_one_by_one() {
         let table = |scale: f64| {

@@ -19,12 +19,12 @@
 //! # What no choice repeats
 //! Cracks, impacts and slip can make of a scene one whose motion depends on the last digit: from then on two
 //! runs that differ in nothing but rounding have as little in common as two records of one earthquake. An
-//! error of such a history tells nothing of a choice. Where laws or joints remember, the reference is
+//! error of such a history tells nothing of a choice. Where laws or joints have history variables, the reference is
 //! therefore run once more under waves, if some come in, that are larger by a millionth, far less than the
 //! accuracy of any record; histories that change by more than half of the error that is asked for (by a
 //! hundredth where none is) are named with this change and left out.
 //!
-//! What laws remember counts against a tenth at least of the largest of the same variable: of a place that next
+//! History variables of laws counts against a tenth at least of the largest of the same variable: of a place that next
 //! to nothing happens to an error relative to its own size says as little.
 //!
 //! # Why so
@@ -67,12 +67,12 @@ use crate::price::price_front;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
 pub(crate) use case::columns;
-use case::{Bench, Bodies, Finished};
+use case::{Bodies, Finished, TradeRunner};
 pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
 use finer_mesh::{OF_HALF_THE_SIZE, REFINED};
 pub(crate) use misfit::{Misfit, misfits};
-use plan::{Design, Outlook};
+use plan::{Design, ErrorAndCost};
 use quantity::Compared;
 pub use quantity::Quantity;
 pub use report::{
@@ -95,7 +95,7 @@ pub struct Trade {
     duration: f64,
     window: f64,
     /// Whether what yields, cracks or slips may go on doing so.
-    remembers: bool,
+    path_dependent: bool,
     reference: Reference,
     compared: Compared,
     mesh_error: bool,
@@ -137,7 +137,7 @@ impl Trade {
             folder: folder.unwrap_or(own),
             duration: scene.run_duration(),
             window: window(&scene),
-            remembers: scene.joints().next().is_some()
+            path_dependent: scene.joints().next().is_some()
                 || scene.parts().iter().any(|part| !part.material.is_linear()),
             reference: Reference::Finest,
             compared,
@@ -266,14 +266,14 @@ impl Trade {
         let again = usize::from(self.nudged_text()?.is_some());
         let _lock = powerhouse::ResultFolder::new(&self.folder).lock()?;
         self.announce(most + again, watch)?;
-        let mut bench = Bench {
+        let mut runner = TradeRunner {
             stop,
             window: self.window,
             duration: self.duration,
             bodies: Bodies::default(),
         };
         let mut cases: Vec<TradeCase> = Vec::new();
-        let mut known: Vec<(Design, Outlook)> = Vec::new();
+        let mut known: Vec<(Design, ErrorAndCost)> = Vec::new();
         let (mut failed, mut failures) = (Vec::new(), Vec::new());
         let mut reference: Option<Vec<TableColumn>> = None;
         let (mut begun, mut unrepeated) = (0, Vec::new());
@@ -305,7 +305,7 @@ impl Trade {
             let name = self.name(&design);
             begun += 1;
             watch.begins(&name, begun);
-            let finished = match self.finish(&design, &mut bench, watch, &name) {
+            let finished = match self.finish(&design, &mut runner, watch, &name) {
                 // Not every level suits every scene; the reference must.
                 Err(error @ StudyError::Scene(_)) if !cases.is_empty() => {
                     watch.fails(&name, &error);
@@ -342,14 +342,14 @@ impl Trade {
             };
             watch.ends(&case);
             let (error, cost) = (case.error, case.cost.wall_time());
-            known.push((design, Outlook { error, cost }));
+            known.push((design, ErrorAndCost { error, cost }));
             cases.push(case);
             // Now that the finest tolerance of stages is known.
             if first && let Some(text) = self.nudged_text()? {
                 begun += 1;
                 watch.begins(repeat::NUDGED, begun);
                 let again = (text.as_str(), reference.as_slice(), goal);
-                match self.unrepeated(again, &mut bench, watch) {
+                match self.unrepeated(again, &mut runner, watch) {
                     Ok(found) => unrepeated = found,
                     // What hardly gets through may not with hardly more.
                     Err(error @ StudyError::Scene(_)) => {
@@ -370,7 +370,7 @@ impl Trade {
             failed: failures,
             reference_error: of_reference,
             mesh: None,
-            foreseen: (self.remembers && self.window < self.duration).then_some(self.window),
+            foreseen: (self.path_dependent && self.window < self.duration).then_some(self.window),
             chosen,
             files: Vec::new(),
         };
@@ -379,7 +379,7 @@ impl Trade {
         if self.mesh_error {
             watch.begins(REFINED.0, begun + 1);
             let text = self.refined_text()?;
-            match self.error_of_mesh((&text, &report.unrepeated), &mut bench, watch) {
+            match self.error_of_mesh((&text, &report.unrepeated), &mut runner, watch) {
                 Ok(mesh) => report.mesh = Some(mesh),
                 // Half the size may be too small for a law.
                 Err(error @ StudyError::Scene(_)) => {
@@ -396,7 +396,7 @@ impl Trade {
     /// Where the error is a stage that does not come to rest as closely as it shall, takes what the scene
     /// asks of its stages for the finest; gives the name of what was finest, if that was finer.
     fn give_up_finer_statics(&mut self, error: &powerhouse::Error) -> Option<String> {
-        let (_, reason) = error.unrest()?;
+        let (_, reason) = error.equilibrium_failure()?;
         if !matches!(
             reason,
             StaticError::NotConverged { .. } | StaticError::LinearSolver { .. }
@@ -412,7 +412,11 @@ impl Trade {
 
     /// What is left of all combinations, those one after the other that share a body: without levels that
     /// failed alone.
-    fn rest(&self, known: &[(Design, Outlook)], failed: &[Design]) -> std::vec::IntoIter<Design> {
+    fn rest(
+        &self,
+        known: &[(Design, ErrorAndCost)],
+        failed: &[Design],
+    ) -> std::vec::IntoIter<Design> {
         let has = |design: &Design, failing: &Design| {
             let mut levels = design.iter().zip(failing);
             levels.all(|(level, failing)| *failing == 0 || failing == level)
@@ -487,14 +491,14 @@ impl Trade {
     fn finish(
         &self,
         design: &Design,
-        bench: &mut Bench,
+        runner: &mut TradeRunner,
         watch: &mut dyn TradeWatch,
         name: &str,
     ) -> Result<Finished, StudyError> {
         let folder = self.places(design, |_| true);
         let body = self.body_of(design);
         let text = self.text_of(design)?;
-        self.finish_file(&text, (&folder, &body), bench, (watch, name))
+        self.finish_file(&text, (&folder, &body), runner, (watch, name))
     }
 
     /// The places of a design's levels among all that the scene allows, of some factors.
@@ -518,20 +522,20 @@ impl Trade {
         &self,
         text: &str,
         (folder, body): (&str, &str),
-        bench: &mut Bench,
+        runner: &mut TradeRunner,
         (watch, name): (&mut dyn TradeWatch, &str),
     ) -> Result<Finished, StudyError> {
         let folder = self.folder.join(folder);
         let mark = Mark::of(text, &self.inputs, Some(self.window));
-        if let Some(kept) = bench.kept(&folder, &mark)? {
+        if let Some(kept) = runner.kept(&folder, &mark)? {
             watch.kept(name);
             return Ok(kept);
         }
         let scene = Scene::from_toml(text, &self.path, &self.registry)?;
-        let finished = bench.run(scene, body, watch)?;
-        bench.keep(&folder, &mark, &finished)?;
+        let finished = runner.run(scene, body, watch)?;
+        runner.keep(&folder, &mark, &finished)?;
         // As another trade would find it: a number may lose its last bit in a file.
-        Ok(bench.kept(&folder, &mark)?.unwrap_or(finished))
+        Ok(runner.kept(&folder, &mark)?.unwrap_or(finished))
     }
 
     /// The histories that others are compared with.

@@ -11,14 +11,14 @@ pub(super) type Design = Vec<usize>;
 
 /// What a design is known or expected to come to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Outlook {
+pub(super) struct ErrorAndCost {
     /// Relative error, without that of the reference.
     pub(super) error: f64,
     /// Wall time (s).
     pub(super) cost: f64,
 }
 
-impl Outlook {
+impl ErrorAndCost {
     /// Whether it meets a goal, the reference's own error counted in.
     pub(super) fn meets(&self, goal: Goal, of_reference: f64) -> bool {
         match goal {
@@ -59,7 +59,7 @@ pub(super) fn all(factors: &[Factor]) -> Vec<Design> {
 
 /// What a design is expected to come to, from runs that differ from the reference in one factor;
 /// none before those are there.
-fn expected(design: &Design, known: &[(Design, Outlook)]) -> Option<Outlook> {
+fn expected(design: &Design, known: &[(Design, ErrorAndCost)]) -> Option<ErrorAndCost> {
     let of = |design: &Design| known.iter().find(|(other, _)| other == design);
     let reference = of(&vec![0; design.len()])?.1;
     let (mut squares, mut cost) = (0.0, reference.cost);
@@ -71,13 +71,13 @@ fn expected(design: &Design, known: &[(Design, Outlook)]) -> Option<Outlook> {
         cost *= outlook.cost / reference.cost;
     }
     let error = f64::sqrt(squares);
-    Some(Outlook { error, cost })
+    Some(ErrorAndCost { error, cost })
 }
 
 /// The designs that were not run.
 pub(super) fn unknown(
     factors: &[Factor],
-    known: &[(Design, Outlook)],
+    known: &[(Design, ErrorAndCost)],
     failed: &[Design],
 ) -> impl Iterator<Item = Design> {
     all(factors)
@@ -89,11 +89,11 @@ pub(super) fn unknown(
 /// what was found.
 pub(super) fn next(
     factors: &[Factor],
-    (known, failed): (&[(Design, Outlook)], &[Design]),
+    (known, failed): (&[(Design, ErrorAndCost)], &[Design]),
     (goal, of_reference): (Goal, f64),
 ) -> Option<Design> {
     let best = best(known, (goal, of_reference));
-    let mut promising: Vec<(Design, Outlook)> = unknown(factors, known, failed)
+    let mut promising: Vec<(Design, ErrorAndCost)> = unknown(factors, known, failed)
         .filter_map(|design| expected(&design, known).map(|outlook| (design, outlook)))
         .filter(|(_, outlook)| outlook.meets(goal, of_reference))
         .filter(
@@ -105,7 +105,7 @@ pub(super) fn next(
             },
         )
         .collect();
-    let rank = |outlook: &Outlook| match goal {
+    let rank = |outlook: &ErrorAndCost| match goal {
         Goal::Error(_) => outlook.cost,
         Goal::Budget(_) => outlook.error,
         // The corner of the front: much less cost for little more error.
@@ -116,14 +116,14 @@ pub(super) fn next(
 }
 
 /// Whether one outlook is at least as good as another in both respects.
-fn dominates(one: &Outlook, other: &Outlook) -> bool {
+fn dominates(one: &ErrorAndCost, other: &ErrorAndCost) -> bool {
     one.error <= other.error && one.cost <= other.cost
 }
 
 /// The place of the best run for a goal: the cheapest of sufficient accuracy, the most accurate of
 /// sufficient cheapness; without either, none.
 pub(super) fn best(
-    known: &[(Design, Outlook)],
+    known: &[(Design, ErrorAndCost)],
     (goal, of_reference): (Goal, f64),
 ) -> Option<usize> {
     let meets = |place: &usize| known[*place].1.meets(goal, of_reference);
@@ -145,20 +145,20 @@ mod tests {
     use crate::trade::factor::test_factors;
 
     /// A made-up trade: errors that add up like independent ones, and cost ratios.
-    fn truth(design: &Design) -> Outlook {
+    fn truth(design: &Design) -> ErrorAndCost {
         let errors = [[0.0, 0.01, 0.05], [0.0, 0.004, 0.3]];
         let costs = [[1.0, 0.5, 0.2], [1.0, 0.6, 0.5]];
         let squares: f64 = (0..2).map(|f| f64::powi(errors[f][design[f]], 2)).sum();
-        Outlook {
+        ErrorAndCost {
             error: squares.sqrt(),
             cost: 100.0 * costs[0][design[0]] * costs[1][design[1]],
         }
     }
 
     /// Runs as they are proposed, until no other promises more.
-    fn sampled(goal: Goal) -> Vec<(Design, Outlook)> {
+    fn sampled(goal: Goal) -> Vec<(Design, ErrorAndCost)> {
         let factors = test_factors(&[3, 3]);
-        let mut known: Vec<(Design, Outlook)> = alone(&factors)
+        let mut known: Vec<(Design, ErrorAndCost)> = alone(&factors)
             .into_iter()
             .map(|d| (d.clone(), truth(&d)))
             .collect();
@@ -187,7 +187,7 @@ mod tests {
     /// The error of the reference counts against the goal.
     #[test]
     fn the_error_of_the_reference_counts() {
-        let outlook = Outlook {
+        let outlook = ErrorAndCost {
             error: 0.018,
             cost: 1.0,
         };

@@ -19,7 +19,7 @@ pub enum Quantity {
     Acceleration,
     /// Stress of an element.
     Stress,
-    /// What a law remembers of an element, flags aside.
+    /// A history variable of an element's law, flags aside.
     State,
 }
 

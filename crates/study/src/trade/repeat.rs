@@ -3,7 +3,7 @@
 use powerhouse::io::TableColumn;
 use toml::Value;
 
-use super::case::Bench;
+use super::case::TradeRunner;
 use super::factor::{number, tables};
 use super::misfit::{history_of, misfits};
 use super::{Goal, Reference, Trade, TradeWatch, Unrepeated};
@@ -22,13 +22,13 @@ const WITHOUT_ERROR: f64 = 0.01;
 const LEAST_CHANGE: f64 = 10.0;
 
 impl Trade {
-    /// The file of the reference under waves that are hardly changed; none where nothing remembers, no wave
+    /// The file of the reference under waves that are hardly changed; none without history variables, no wave
     /// comes in, or all histories count.
     pub(super) fn nudged_text(&self) -> Result<Option<String>, StudyError> {
         let Some(nudge) = self.nudge else {
             return Ok(None);
         };
-        if !self.remembers || self.reference != Reference::Finest {
+        if !self.path_dependent || self.reference != Reference::Finest {
             return Ok(None);
         }
         let mut file = self.file_of(&vec![0; self.factors.len()]);
@@ -51,13 +51,13 @@ impl Trade {
     pub(super) fn unrepeated(
         &self,
         (text, reference, goal): (&str, &[TableColumn], Goal),
-        bench: &mut Bench,
+        runner: &mut TradeRunner,
         watch: &mut dyn TradeWatch,
     ) -> Result<Vec<Unrepeated>, StudyError> {
         let design = vec![0; self.factors.len()];
         let folder = format!("{}-{FOLDER}", self.places(&design, |_| true));
         let body = self.body_of(&design);
-        let nudged = self.finish_file(text, (&folder, &body), bench, (watch, NUDGED))?;
+        let nudged = self.finish_file(text, (&folder, &body), runner, (watch, NUDGED))?;
         let limit = match goal {
             Goal::Error(error) => SHARE_OF_ERROR * error,
             Goal::Budget(_) | Goal::Front => WITHOUT_ERROR,
@@ -265,7 +265,7 @@ mod tests {
         );
     }
 
-    /// What remembers nothing repeats: there is no such run, nor where all histories are to count.
+    /// Without history variables all histories repeat: there is no such run, nor where all histories are to count.
     #[test]
     fn only_what_remembers_is_run_again() {
         let (_folder, trade) = trade("elastic", ELASTIC, None);

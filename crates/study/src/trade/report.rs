@@ -121,7 +121,7 @@ pub struct TradeReport {
     pub reference_error: Option<f64>,
     /// The error of the mesh, if that was [asked for](super::Trade::with_mesh_error).
     pub mesh: Option<MeshError>,
-    /// How much was run (s), if it was not all and the scene has laws or joints that remember: what yields,
+    /// How much was run (s), if it was not all and the scene has laws or joints with history variables: what yields,
     /// cracks or slips after it may err by more. Of the bay of the paper 4 % in 1.5 s were 35 % in 20 s.
     pub foreseen: Option<f64>,
     /// The places of the runs that no other betters in cost and error, the cheapest first.

@@ -12,7 +12,7 @@ fn a_body_comes_back_from_its_file() {
     let body = body.unwrap().unwrap();
     let file = folder.0.join("rest.body");
     body.write(&file).unwrap();
-    let back = BodyAtRest::read(&file).unwrap();
+    let back = EquilibratedBody::read(&file).unwrap();
     assert_eq!(back, body);
     assert!(!body.state().joints.is_empty() && !body.state().history.is_empty());
     let bytes = std::fs::read(&file).unwrap();
@@ -20,13 +20,13 @@ fn a_body_comes_back_from_its_file() {
     damaged[bytes.len() / 2] ^= 1;
     for bad in [&bytes[..bytes.len() - 9], &damaged, b"powerhouse"] {
         std::fs::write(&file, bad).unwrap();
-        let refused = BodyAtRest::read(&file);
+        let refused = EquilibratedBody::read(&file);
         assert!(
             matches!(refused, Err(Error::NotABody { .. })),
             "{refused:?}"
         );
     }
-    let none = BodyAtRest::read(&folder.0.join("none"));
+    let none = EquilibratedBody::read(&folder.0.join("none"));
     assert!(matches!(none, Err(Error::Read { .. })));
 }
 

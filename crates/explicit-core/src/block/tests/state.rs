@@ -1,4 +1,4 @@
-//! What blocks remember: history, activity, reference, initial stress, work.
+//! State of blocks: history, activity, reference, initial stress, work.
 
 use super::*;
 
@@ -309,7 +309,7 @@ fn secant_and_tangent_follow_the_state() {
     }
 }
 
-/// The forces of the elements, told one by one, add up to those of the block, with a law that remembers,
+/// The forces of the elements, told one by one, add up to those of the block, with a law with history variables,
 /// under initial stresses and from a reference displacement, in blocks of many elements as in those of a few;
 /// elements that are switched off have none.
 #[test]

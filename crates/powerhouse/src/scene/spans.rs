@@ -16,14 +16,14 @@ pub(crate) const NOT_AT_REST: &str =
 
 /// Where stages stand, and what they name.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct StagePlaces {
+pub(crate) struct StageSpans {
     /// The names of the stages, in their order.
     pub(crate) names: Vec<(String, Range<usize>)>,
     /// Values by stage (none for what stands outside of stages), key and value.
     pub(crate) items: BTreeMap<(Option<String>, &'static str, String), Range<usize>>,
 }
 
-impl StagePlaces {
+impl StageSpans {
     /// The place of a value of a key; the stage's name without one, the first stage's without that.
     fn find(
         &self,
@@ -54,7 +54,7 @@ fn stage_of(error: &StageError) -> Option<&str> {
 
 /// Bytes of the scene's file.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Places {
+pub(crate) struct SceneSpans {
     /// The mesh's file.
     pub(crate) mesh: Range<usize>,
     /// Records and their components, by name.
@@ -84,12 +84,12 @@ pub(crate) struct Places {
     /// Rims of parts, by their set.
     pub(crate) rims: BTreeMap<String, Range<usize>>,
     /// Stages: names and what stands in them.
-    pub(crate) stages: StagePlaces,
+    pub(crate) stages: StageSpans,
     /// Prescribed motions, with the user's numbers of their nodes.
     pub(crate) prescribed: Vec<(Range<usize>, Vec<u64>)>,
 }
 
-impl Places {
+impl SceneSpans {
     /// An error at its place in the scene's file, if the scene has one and the place is known.
     pub(crate) fn put(&self, source: &Option<Arc<SceneText>>, error: Error) -> Error {
         match self.of(&error) {

@@ -1,4 +1,4 @@
-//! What the laws of a scene remember, and where.
+//! History variables of the laws of a scene, and where.
 
 use std::collections::HashSet;
 
@@ -11,9 +11,9 @@ use crate::{Error, Scene};
 /// No run lasts so long (s): what is looked at in this interval is seen at its start and end.
 const EVER: f64 = f64::MAX;
 
-/// What the laws of a scene remember, and where.
+/// History variables of the laws of a scene, and where.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Remembered {
+pub(crate) struct StateVariables {
     /// All variables, each name once.
     pub(crate) variables: Vec<HistoryVariable>,
     /// Those of the law of each element.
@@ -21,8 +21,8 @@ pub(crate) struct Remembered {
     part_of: Vec<Option<usize>>,
 }
 
-impl Remembered {
-    /// The variables of the parts of a scene; rims remember nothing.
+impl StateVariables {
+    /// The variables of the parts of a scene; rims have no history variables.
     pub(crate) fn of(scene: &Scene, rims: &[HashSet<u32>]) -> Result<Self, Error> {
         let mesh = &scene.mesh;
         let mut found = Self {
@@ -50,7 +50,7 @@ impl Remembered {
     pub(crate) fn of_element(&self, element: u32) -> &[HistoryVariable] {
         self.part_of[element as usize].map_or(&[], |part| &self.of_parts[part])
     }
-    /// The observer of the greatest values; none if nothing is remembered.
+    /// The observer of the greatest values; none without history variables.
     pub(crate) fn peaks(
         &self,
         plan: &OutputPlan,
@@ -59,8 +59,8 @@ impl Remembered {
         if self.variables.is_empty() {
             return Ok(None);
         }
-        let remembers = |&element: &u32| !self.of_element(element).is_empty();
-        let elements = (0..mesh.element_count() as u32).filter(remembers);
+        let has_some = |&element: &u32| !self.of_element(element).is_empty();
+        let elements = (0..mesh.element_count() as u32).filter(has_some);
         let elements: Vec<u32> = elements.collect();
         let cadence = Cadence::Seconds(plan.state.every.unwrap_or(EVER));
         let peaks = StatePeaks::new(mesh, &elements, &self.variables, cadence);

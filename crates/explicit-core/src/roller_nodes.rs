@@ -14,22 +14,22 @@ use crate::nodes::Storage;
 
 /// A node and the axes along which it is held.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Slider {
+pub(crate) struct RollerNode {
     pub(crate) node: u32,
     pub(crate) held: [bool; 3],
 }
 
 /// All of them, in rising order of nodes.
 #[derive(Default)]
-pub(crate) struct Sliders {
-    all: Vec<Slider>,
+pub(crate) struct RollerNodes {
+    all: Vec<RollerNode>,
     /// Those in each chunk of nodes.
     chunks: Vec<Range<u32>>,
 }
 
-impl Sliders {
-    /// From sliders in rising order of nodes.
-    pub(crate) fn new(all: Vec<Slider>, node_count: usize) -> Self {
+impl RollerNodes {
+    /// From roller nodes in rising order of nodes.
+    pub(crate) fn new(all: Vec<RollerNode>, node_count: usize) -> Self {
         let bound = |node: usize| all.partition_point(|s| (s.node as usize) < node) as u32;
         let chunks = (0..node_count.div_ceil(CHUNK))
             .map(|chunk| bound(chunk * CHUNK)..bound((chunk + 1) * CHUNK))
@@ -39,24 +39,24 @@ impl Sliders {
 
     /// Those in a chunk of nodes.
     #[inline]
-    pub(crate) fn in_chunk(&self, chunk: usize) -> &[Slider] {
+    pub(crate) fn in_chunk(&self, chunk: usize) -> &[RollerNode] {
         let range = &self.chunks[chunk];
         &self.all[range.start as usize..range.end as usize]
     }
 
-    /// The slider that a node is, if it is one.
-    pub(crate) fn of(&self, node: usize) -> &[Slider] {
+    /// The roller_node that a node is, if it is one.
+    pub(crate) fn of(&self, node: usize) -> &[RollerNode] {
         let place = self.all.binary_search_by_key(&(node as u32), |s| s.node);
         place.map_or(&[], |place| &self.all[place..=place])
     }
 
     /// Takes the velocities (m/s) along held axes away.
     pub(crate) fn stop<S: Storage>(&self, velocity: &mut [Quad<S>]) {
-        for slider in &self.all {
-            let velocity = &mut velocity[slider.node as usize].values;
+        for roller_node in &self.all {
+            let velocity = &mut velocity[roller_node.node as usize].values;
             for (value, _) in velocity
                 .iter_mut()
-                .zip(slider.held)
+                .zip(roller_node.held)
                 .filter(|(_, held)| *held)
             {
                 *value = S::default();
@@ -66,23 +66,23 @@ impl Sliders {
 }
 
 /// Leaves nothing of the forces along held axes: the internal ones there, of consecutive nodes from
-/// `first` on, become the applied ones. Returns the sliders that lie behind these nodes.
+/// `first` on, become the applied ones. Returns the roller nodes that lie behind these nodes.
 #[inline(always)]
 pub(crate) fn hold<'a, S: Storage>(
-    sliders: &'a [Slider],
+    roller_nodes: &'a [RollerNode],
     first: usize,
     internal: &mut [Quad<S>],
     external: &[Quad<S>],
-) -> &'a [Slider] {
-    let mut rest = sliders;
-    while let [slider, others @ ..] = rest {
-        let node = slider.node as usize;
+) -> &'a [RollerNode] {
+    let mut rest = roller_nodes;
+    while let [roller_node, others @ ..] = rest {
+        let node = roller_node.node as usize;
         let Some(internal) = internal.get_mut(node - first) else {
             break;
         };
         let applied = external.get(node).copied().unwrap_or_default();
         for c in 0..3 {
-            if slider.held[c] {
+            if roller_node.held[c] {
                 internal.values[c] = applied.values[c];
             }
         }
