@@ -1,11 +1,12 @@
-//! A constitutive law of one's own, in a scene like any other: in thirty lines, then with a memory
-//! and an account of its energy, then in lanes.
+//! A constitutive law of one's own, in a scene like any other: in thirty lines, then with a history
+//! variable and energies, in lanes.
 //!
 //! Builds on `free_field`. Soil that softens in shear: the modulus falls with the shear strain
 //! `gamma` as `G / (1 + gamma / gamma_ref)` (the hyperbola of Hardin & Drnevich, 1972). The first
-//! form has no memory. The second keeps the largest shear strain so far and keeps the modulus
-//! that goes with it; what it takes when it softens further is damage. The third is the second for
-//! as many elements at once as the processor takes, and gives the same bits.
+//! form has no history variables. The second has the largest shear strain so far as history variable,
+//! which defines its modulus; the energy that further softening dissipates is damage. It is evaluated in
+//! lanes, for as many elements at once as the processor permits, and one point at a time, with the same
+//! bits. The third has a reference strain that grows with depth, from the position of each point.
 //!
 //! ```text
 //!      z = 0   +---+  free surface           a column of soil, 40 m, one element across,
@@ -15,8 +16,8 @@
 //!     z = -40  +---+  absorbing, SV wave in
 //! ```
 //!
-//! A wave of small strain must not notice the softening; a strong one is slowed down. The energy
-//! that a law with memory takes is damage alone, and the balance closes.
+//! Under a wave of small strain the softening must have no effect; a strong one is slowed down. The energy
+//! that the law with history dissipates is damage alone, and the balance closes.
 //!
 //! Run: `cargo run --release --example own_law`
 
@@ -35,7 +36,7 @@ use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, RaisedCosinePulse, W
 use powerhouse::{Boundary, Material, OutputPlan, Part, Results, RunHooks, Scene};
 use powerhouse_examples::Figures;
 
-/// Soil whose shear modulus falls with the shear strain.
+/// Soil whose shear modulus falls with the shear strain, without history.
 #[derive(Clone)]
 struct Hyperbolic {
     medium: ElasticMedium,
@@ -65,15 +66,15 @@ impl PointLaw for Hyperbolic {
     }
 }
 
-/// Soil that keeps the largest shear strain so far, for any lane.
+/// Soil with the largest shear strain so far as history variable, for any lane.
 #[derive(Clone)]
-struct Remembering(Hyperbolic);
+struct SofteningSoil(Hyperbolic);
 
-/// Its history variable: a name, a unit, and how results show it.
-const MEMORY: [HistoryVariable; 1] = [HistoryVariable::amount("largest_shear_strain", "1")];
+/// Its history variable: name, unit and kind.
+const HISTORY: [HistoryVariable; 1] = [HistoryVariable::amount("largest_shear_strain", "1")];
 
-impl Remembering {
-    /// The share of the shear modulus that is left after a shear strain.
+impl SofteningSoil {
+    /// Remaining share of the shear modulus after a shear strain.
     #[inline(always)]
     fn left<L: Lane>(&self, largest: L) -> L {
         let one = largest.constant(1.0);
@@ -81,15 +82,15 @@ impl Remembering {
     }
 }
 
-impl ConstitutiveLaw for Remembering {
+impl ConstitutiveLaw for SofteningSoil {
     fn name(&self) -> &str {
-        "remembering"
+        "softening-soil"
     }
     fn medium(&self) -> ElasticMedium {
         self.0.medium
     }
     fn history(&self) -> &[HistoryVariable] {
-        &MEMORY
+        &HISTORY
     }
     // Inlined, so that it is compiled for the instructions that the processor has.
     #[inline(always)]
@@ -105,7 +106,7 @@ impl ConstitutiveLaw for Remembering {
         }
         stress
     }
-    // Without it the energy that softening takes would count as plastic.
+    // Without it the energy that softening dissipates would count as plastic.
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let [xx, yy, zz, xy, yz, zx] = input.strain.0;
@@ -116,28 +117,23 @@ impl ConstitutiveLaw for Remembering {
         let normal = half(lambda) * volume * volume + half(2.0 * shear) * squares;
         let sheared = half(shear) * xy.mul_add(xy, yz.mul_add(yz, zx * zx));
         let (before, after) = (self.left(input.history[0]), self.left(new_history[0]));
-        let none = xy.constant(0.0);
-        Some(LawEnergy {
-            stored: after.mul_add(sheared, normal),
-            plastic: none,
-            damage: sheared * (before - after),
-            recovered: none,
-        })
+        let stored = after.mul_add(sheared, normal);
+        Some(LawEnergy::stored(stored).with_damage(sheared * (before - after)))
     }
 }
 
-/// The same law one point at a time, through the socket of the first.
-struct OneByOne(Remembering);
+/// The same law one point at a time, as a law for one integration point.
+struct PointByPoint(SofteningSoil);
 
-impl PointLaw for OneByOne {
+impl PointLaw for PointByPoint {
     fn name(&self) -> &str {
-        "one by one"
+        "point by point"
     }
     fn medium(&self) -> ElasticMedium {
         ConstitutiveLaw::medium(&self.0)
     }
     fn history(&self) -> &[HistoryVariable] {
-        &MEMORY
+        &HISTORY
     }
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
         ConstitutiveLaw::stress_change(&self.0, input, new_history)
@@ -223,13 +219,13 @@ fn figures() -> Outcome<Figures> {
     );
 
     let law = || {
-        Remembering(Hyperbolic {
+        SofteningSoil(Hyperbolic {
             medium: soil,
             reference_strain: 1e-3,
         })
     };
     let wide = shake(Material::new(law()), 0.05)?;
-    let narrow = shake(Material::from_point_law(OneByOne(law())), 0.05)?;
+    let narrow = shake(Material::from_point_law(PointByPoint(law())), 0.05)?;
     let column = |results: &Results, name: &str| -> Outcome<Vec<f64>> {
         let column = results.histories.column(name).ok_or("no column")?;
         Ok(column.values.clone())
@@ -260,8 +256,8 @@ fn figures() -> Outcome<Figures> {
         Ok(term.ok_or("no energy")?.1)
     };
     let taken = energy("damage")?;
-    figures.report("own_law.energy.damage", taken, "J, taken by softening");
-    // What the steps leave is of their second order, the softening of a step of their first.
+    figures.report("own_law.energy.damage", taken, "J, dissipated by softening");
+    // The error of the integration in time is of second order in the step, the softening of first order.
     let left = energy("integration")?.abs() / taken;
     figures.at_most("own_law.energy.integration", left, 0.05);
     figures.at_most("own_law.energy.residual", wide.run.energy_residual, 1e-10);

@@ -195,10 +195,7 @@ fn ground() -> (Mesh, Vec<u32>, Numbering) {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [7, 6, 5], "rock").unwrap();
     let inside = mesh.elements_in_box(&Vec3::new(2.0, 2.0, 3.0), &Vec3::new(5.0, 4.0, 5.0));
     let backwards: Vec<u32> = (0..mesh.node_count() as u32).rev().collect();
-    let numbering = Numbering {
-        engine_of: backwards.clone(),
-        mesh_of: backwards,
-    };
+    let numbering = Numbering::new(backwards.clone(), backwards);
     (mesh, inside, numbering)
 }
 

@@ -47,8 +47,7 @@ fn step(stable: &StableStep, step: f64) {
         stable.step,
         match stable.term {
             LimitingTerm::Stiffness => "size and stiffness",
-            LimitingTerm::StiffnessDamping => "stiffness damping",
-            LimitingTerm::MassDamping => "mass damping",
+            term => term.name(),
         },
         stable.element,
         stable.set,

@@ -90,16 +90,17 @@ impl<'a> BlockPart<'a> {
     }
 }
 
-/// Makes the blocks of one element set.
+/// Factory of the blocks of one element set; implemented by engines, and by users only to wrap the factory of
+/// an engine.
 ///
-/// [`solid`](crate::solid) makes one from any kernel and law; there is no central list. One of
-/// one's own may also change what another makes:
+/// [`solid`](crate::solid) makes one from any kernel and law; there is no central list. A factory that wraps
+/// another one:
 /// ```
 /// use powerhouse_explicit_core::{BlockFactory, BlockOptions, BlockPart};
 /// use powerhouse_model::{ElementBlock, ElementKind, ModelError};
-/// /// The blocks of another factory, and how large they are.
-/// struct Told(Box<dyn BlockFactory>);
-/// impl BlockFactory for Told {
+/// /// Factory that prints the size of the blocks of another one.
+/// struct Printed(Box<dyn BlockFactory>);
+/// impl BlockFactory for Printed {
 ///     fn label(&self) -> &str { self.0.label() }
 ///     fn kind(&self) -> ElementKind { self.0.kind() }
 ///     fn options(&self) -> BlockOptions { self.0.options() }

@@ -1,6 +1,6 @@
 //! What hourglass resistance takes of the internal work of a set.
 
-use powerhouse_model::{BlockContext, BlockEnergy};
+use powerhouse_model::{BlockContext, BlockEnergy, StepTime};
 
 use crate::Model;
 use crate::nodes::{Storage, with_nodes};
@@ -58,8 +58,13 @@ impl Model {
     /// What hourglass resistance holds in each set at the present time.
     pub(crate) fn hourglass_shares(&self) -> Vec<HourglassShare> {
         let of_blocks: Vec<BlockEnergy> = with_nodes!(&self.nodes, arrays => {
+            let when = StepTime {
+                number: self.number,
+                time: self.time,
+                step: 0.0,
+            };
             let context = BlockContext::new(
-                (self.number, self.time, 0.0),
+                when,
                 Storage::view(&arrays.displacement),
                 Storage::view(&arrays.velocity),
             );

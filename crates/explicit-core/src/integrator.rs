@@ -1,7 +1,7 @@
 //! Explicit schemes.
 
 use powerhouse_model::{
-    Dynamics, ForceTerms, FrequencyLimits, MassDampingRule, RunError, TimeIntegrator,
+    Dynamics, ForceTerms, FrequencyLimits, HistoryUpdate, MassDampingRule, RunError, TimeIntegrator,
 };
 
 /// The central difference in leapfrog form: velocities half a step apart from displacements.
@@ -40,7 +40,8 @@ impl TimeIntegrator for Leapfrog {
         refuse_above(self.name(), limit, step, reason)
     }
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
-        dynamics.forces(ForceTerms::PLAIN.once(), step)?;
+        let terms = ForceTerms::PLAIN.with_history_update(HistoryUpdate::InPlace);
+        dynamics.forces(terms, step)?;
         dynamics.kick(MassDampingRule::Implicit, step)?;
         dynamics.constrain(step)?;
         dynamics.drift(step);
@@ -94,7 +95,8 @@ impl TimeIntegrator for OneSided {
         refuse_above(self.name(), self.stable_step(limits)?, step, reason)
     }
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
-        dynamics.forces(ForceTerms::shifted(-0.5 * step).once(), step)?;
+        let terms = ForceTerms::shifted(-0.5 * step);
+        dynamics.forces(terms.with_history_update(HistoryUpdate::InPlace), step)?;
         dynamics.kick(MassDampingRule::Lagged, step)?;
         dynamics.constrain(step)?;
         dynamics.drift(step);

@@ -63,7 +63,7 @@ pub(crate) trait BatchLane: Lane {
     fn components(token: Self::Token, rows: &Rows<Self::Scalar>) -> [Self; 3];
     /// The first `WIDTH` rows of three components; the fourth is zero.
     fn write_rows(components: [Self; 3], rows: &mut Rows<Self::Scalar>);
-    /// What a law answers.
+    /// Change of stress of a law.
     #[inline(always)]
     fn stress_change<M: ConstitutiveLaw>(
         law: &M,
@@ -72,7 +72,7 @@ pub(crate) trait BatchLane: Lane {
     ) -> Stress<Self> {
         law.stress_change(input, new_history)
     }
-    /// The energies that go with it.
+    /// Energies of a law.
     #[inline(always)]
     fn energy<M: ConstitutiveLaw>(
         law: &M,
@@ -81,7 +81,7 @@ pub(crate) trait BatchLane: Lane {
     ) -> Option<LawEnergy<Self>> {
         law.energy(input, new_history)
     }
-    /// What is left of the stiffness.
+    /// Remaining stiffness of a law.
     #[inline(always)]
     fn remaining_stiffness<M: ConstitutiveLaw>(
         law: &M,
@@ -370,7 +370,7 @@ fn exponents_of_f64s<T: Simd>(token: T, shifted: T::f64s) -> T::f64s {
 
 /// Work on batches, generic over the lane.
 pub(crate) trait BatchOperation<S: BatchScalar> {
-    /// What it yields.
+    /// Its result.
     type Output;
     /// Does it; implementations are `#[inline(always)]`.
     fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> Self::Output;

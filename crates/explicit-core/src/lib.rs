@@ -142,7 +142,7 @@ mod support;
 mod view;
 
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
-pub use block::solid;
+pub use block::{AnyLaw, solid};
 pub use bolts::{BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSegment, BoltSet, Grout};
 pub use error::{ElementExtent, EngineError};
 pub use hourglass::HourglassShare;

@@ -170,10 +170,10 @@ fn number_by_owner(
     parts: &mut [Part],
 ) -> (Numbering, Vec<u32>) {
     const FREE: u32 = u32::MAX;
-    let mut numbering = Numbering {
-        engine_of: vec![FREE; mesh.node_count()],
-        mesh_of: Vec::with_capacity(mesh.node_count()),
-    };
+    let mut numbering = Numbering::new(
+        vec![FREE; mesh.node_count()],
+        Vec::with_capacity(mesh.node_count()),
+    );
     for part in parts.iter_mut() {
         let mut touched: Vec<u32> = part
             .elements

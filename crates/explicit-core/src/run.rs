@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Cadence, Dynamics, Flow, ForceTerms, MassDampingRule, Observer, ParameterError, RunError,
-    StepView, TimeIntegrator,
+    Cadence, Dynamics, Flow, ForceTerms, HistoryUpdate, MassDampingRule, Observer, ParameterError,
+    RunError, StepView, TimeIntegrator,
 };
 
 use crate::view::View;
@@ -491,11 +491,13 @@ impl Dynamics for TimeLoop<'_> {
         self.model.time()
     }
     fn forces(&mut self, mut terms: ForceTerms, step: f64) -> Result<(), RunError> {
-        // Where energies and stresses are asked for, the old history is needed once more: with the first step
-        // the ledger begins, and after the last one the model may be asked.
+        // Energies and stresses are computed from the committed history variables, which must not be
+        // overwritten where they are required: in the first step, in which the energy balance begins, in steps
+        // for observers, and in the last one, after which they may be read from the model.
         let [first, shown] = [self.done == 0, self.is_shown(step)];
-        let asked = first || self.last || shown || self.reads_energies(step);
-        terms.once = terms.once && !asked;
+        if first || self.last || shown || self.reads_energies(step) {
+            terms.history_update = HistoryUpdate::Buffered;
+        }
         self.model.forces(terms, step)
     }
     fn kick(&mut self, mass_damping: MassDampingRule, step: f64) -> Result<(), RunError> {

@@ -375,11 +375,9 @@ impl ElementBlock for CheatBlock {
         self.0.add_stress(displacement, out);
     }
     fn energy(&self, context: &BlockContext) -> BlockEnergy {
-        let energy = self.0.energy(context);
-        BlockEnergy {
-            elastic: 0.999 * energy.elastic,
-            ..energy
-        }
+        let mut energy = self.0.energy(context);
+        energy.elastic *= 0.999;
+        energy
     }
     fn history(&self) -> Vec<HistoryField> {
         self.0.history()

@@ -47,12 +47,10 @@ impl<L: Lane> Step<'_, L> {
         let lost = *after * elastic_energy(medium, &input.initial);
         let plastic = flowed.map_or(zero, |flowed| left * effective.work(&flowed));
         let grown = elastic_energy(medium, &effective) * (*after - *before);
-        LawEnergy {
-            stored: left * gained - lost - input.initial.work(&input.strain),
-            plastic: plastic.max(zero),
-            damage: grown.max(zero),
-            recovered: (-grown).max(zero),
-        }
+        LawEnergy::stored(left * gained - lost - input.initial.work(&input.strain))
+            .with_plastic(plastic.max(zero))
+            .with_damage(grown.max(zero))
+            .with_recovered((-grown).max(zero))
     }
 }
 

@@ -359,14 +359,11 @@ impl ConstitutiveLaw for Mazars {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        let zero = new_history[DAMAGE].constant(0.0);
-        let one = zero.constant(1.0);
+        let one = new_history[DAMAGE].constant(1.0);
         let [torn, broken] = [DAMAGE_TENSION, DAMAGE_COMPRESSION].map(|place| new_history[place]);
-        RemainingStiffness {
-            undamaged: one - new_history[DAMAGE],
-            of_path: (one - torn) * (one - broken),
-            flowed: [zero; 6],
-        }
+        RemainingStiffness::whole(one)
+            .with_undamaged(one - new_history[DAMAGE])
+            .with_hourglass((one - torn) * (one - broken))
     }
     /// The consistent one, with the width of the crack as it is; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

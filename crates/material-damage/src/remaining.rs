@@ -21,14 +21,12 @@ pub(crate) fn of_flow<L: Lane>(
     damage: Option<DamagePlaces>,
 ) -> RemainingStiffness<L> {
     let one = new_history[0].constant(1.0);
-    let (mut undamaged, mut of_path) = (one, one);
+    let mut remaining = RemainingStiffness::whole(one)
+        .with_plastic_strain_increment(array(|i| new_history[i] - input.history[i]));
     if let Some(DamagePlaces { whole, parts }) = damage {
-        undamaged = one - new_history[whole];
-        of_path = (one - new_history[parts[0]]) * (one - new_history[parts[1]]);
+        remaining = remaining
+            .with_undamaged(one - new_history[whole])
+            .with_hourglass((one - new_history[parts[0]]) * (one - new_history[parts[1]]));
     }
-    RemainingStiffness {
-        undamaged,
-        of_path,
-        flowed: array(|i| new_history[i] - input.history[i]),
-    }
+    remaining
 }

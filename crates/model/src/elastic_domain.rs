@@ -1,8 +1,8 @@
-//! Stresses under which a law is known to be elastic.
+//! Elastic domains of constitutive laws.
 
 use crate::{Lane, Scalar, Stress};
 
-/// A cone of stresses, `mean p + shear sqrt(J2) <= strength` with the mean stress `p` and the second
+/// Cone of stresses, `mean p + shear sqrt(J2) <= strength` with the mean stress `p` and the second
 /// invariant `J2` of the deviator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cone {
@@ -11,11 +11,11 @@ struct Cone {
     strength: f64,
 }
 
-/// Total stresses under which a point whose history is still zero answers elastically: the cones
-/// that bound them.
+/// Elastic domain of a virgin material in stress space, bounded by cones in the mean stress and `sqrt(J2)`:
+/// total stresses at which the law is certainly elastic while its history variables are zero.
 ///
-/// Engines that find a batch of points inside need not ask the law. The domain may be smaller than
-/// that of the law, never larger.
+/// Engines use Hooke's law instead of the constitutive law for batches of points inside. The domain may be
+/// smaller than that of the law, never larger.
 ///
 /// ```
 /// use powerhouse_model::{ElasticDomain, Stress};
@@ -30,15 +30,15 @@ pub struct ElasticDomain {
     cones: Vec<Cone>,
 }
 
-/// How many roundings a law may be off where its own surface lies on a cone.
+/// Margin in units of rounding, for laws whose yield surface is on a cone.
 const ROUNDINGS: f64 = 64.0;
 
 impl ElasticDomain {
-    /// All stresses.
+    /// The domain of all stresses.
     pub const EVERYTHING: Self = Self { cones: Vec::new() };
 
-    /// The part in which `mean p + shear sqrt(J2) <= strength` (Pa), with `shear` not negative; all of
-    /// it for an infinite strength.
+    /// The part of the domain in which `mean p + shear sqrt(J2) <= strength` (Pa) with the mean stress `p`,
+    /// for a factor `shear` that is not negative; the whole domain for an infinite strength.
     #[must_use]
     pub fn within(mut self, mean: f64, shear: f64, strength: f64) -> Self {
         if strength < f64::INFINITY {
@@ -51,15 +51,15 @@ impl ElasticDomain {
         self
     }
 
-    /// Whether the stresses (Pa) of all lanes lie inside, by more than roundings; false if one is not
-    /// a number.
+    /// Whether the stresses (Pa) of all lanes are inside, by more than rounding; false if one is not a
+    /// number.
     #[inline(always)]
     pub fn contains<L: Lane>(&self, stress: &Stress<L>) -> bool {
         let (mean, shear) = stress.mean_and_shear();
         let number = |value: f64| mean.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
         let slack = number(ROUNDINGS * L::Scalar::EPSILON);
-        // Beyond the range of numbers nothing is known, without a cone neither.
+        // Stresses beyond the range of numbers are outside, also without any cone.
         let mut outside = (mean + shear) * zero;
         for cone in &self.cones {
             let pressed = number(cone.mean) * mean;

@@ -1,12 +1,13 @@
-//! Elements: arithmetic on a batch, and blocks of them behind one virtual call.
+//! Elements: kernels, which compute one batch of elements in lanes, and blocks of elements.
 
 use crate::{
-    ElementKind, HistoryField, Lane, Mat3, NodalView, NodalViewMut, Quad, Strain, Stress, Vec3,
+    ElementKind, HistoryField, Lane, Mat3, NodalView, NodalViewMut, Quad, StepTime, Strain, Stress,
+    Vec3,
 };
 
-/// The geometry numbers of one batch of elements, read where they are used.
+/// Geometry numbers of one batch of elements, computed once by a kernel and read at every step.
 ///
-/// Number `i` of all lanes lies at `numbers[i * WIDTH..(i + 1) * WIDTH]`.
+/// Number `i` of all lanes is at `numbers[i * WIDTH..(i + 1) * WIDTH]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<'a, L: Lane> {
     token: L::Token,
@@ -14,12 +15,12 @@ pub struct Geometry<'a, L: Lane> {
 }
 
 impl<'a, L: Lane> Geometry<'a, L> {
-    /// A view of stored numbers.
+    /// A view of the stored numbers of a batch.
     #[inline(always)]
     pub fn new(token: L::Token, numbers: &'a [L::Scalar]) -> Self {
         Self { token, numbers }
     }
-    /// One number of every lane.
+    /// One geometry number of every lane.
     ///
     /// # Panics
     /// If the batch holds fewer numbers.
@@ -30,7 +31,7 @@ impl<'a, L: Lane> Geometry<'a, L> {
             &self.numbers[index * L::WIDTH..(index + 1) * L::WIDTH],
         )
     }
-    /// Three successive numbers, such as a vector.
+    /// Three successive geometry numbers of every lane, such as a vector.
     ///
     /// # Panics
     /// If the batch holds fewer numbers.
@@ -38,20 +39,21 @@ impl<'a, L: Lane> Geometry<'a, L> {
     pub fn vector(&self, index: usize) -> [L; 3] {
         [self.get(index), self.get(index + 1), self.get(index + 2)]
     }
-    /// The same number in every lane.
+    /// A constant in every lane.
     #[inline(always)]
     pub fn constant(&self, value: f64) -> L {
         L::splat(self.token, value)
     }
 }
 
-/// Element arithmetic on one batch of lanes: it knows no mesh and no thread.
+/// Element kernel: the arithmetic of one element type on a batch of elements in lanes, without knowledge of
+/// mesh and threads.
 ///
-/// `N` is the number of nodes, `P` the number of integration points. A kernel turns corner
-/// positions into geometry numbers once. At every step it turns nodal values into *modal* ones
-/// (a fixed linear map of its choice, in which the arithmetic is short; the identity by default),
-/// modal values into strains at the points, and stresses at the points into modal forces, which
-/// the transposed map turns into nodal forces.
+/// `N` is the number of nodes, `P` the number of integration points. A kernel computes geometry numbers
+/// from corner positions once. At every step it maps nodal values to *modal* ones (a fixed linear map of
+/// its choice, in which the arithmetic is short; the identity by default), modal values to strains at the
+/// integration points, and stresses at the points to modal forces, which the transposed map turns into
+/// nodal forces.
 ///
 /// A bar of two nodes, as a kernel of one point:
 /// ```
@@ -64,6 +66,7 @@ impl<'a, L: Lane> Geometry<'a, L> {
 ///     fn kind(&self) -> ElementKind { ElementKind::Bar2 }
 ///     fn geometry_len(&self) -> usize { 1 }
 ///     fn geometry(&self, corners: &[Vec3; 2], out: &mut [f64]) { out[0] = corners[1].x - corners[0].x; }
+///     fn point_positions(&self, corners: &[Vec3; 2]) -> [Vec3; 1] { [(corners[0] + corners[1]) / 2.0] }
 ///     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 1] { [geometry.get(0)] }
 ///     fn node_shares(&self, _corners: &[Vec3; 2]) -> [f64; 2] { [0.5, 0.5] }
 ///     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 2]) -> [Strain<L>; 1] {
@@ -82,15 +85,18 @@ impl<'a, L: Lane> Geometry<'a, L> {
 pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + 'static {
     /// The kernel's name in scenes and reports.
     fn name(&self) -> &'static str;
-    /// The kind of element that it computes.
+    /// The kind of elements that the kernel computes.
     fn kind(&self) -> ElementKind;
-    /// How many geometry numbers an element has.
+    /// Number of geometry numbers per element.
     fn geometry_len(&self) -> usize;
-    /// The geometry numbers of one element from its corners (m).
+    /// Writes the geometry numbers of one element from its corners (m).
     fn geometry(&self, corners: &[Vec3; N], out: &mut [f64]);
-    /// The volume that each integration point stands for (m3).
+    /// Positions of the integration points (m) of one element from its corners (m).
+    fn point_positions(&self, corners: &[Vec3; N]) -> [Vec3; P];
+    /// Volume of each integration point (m3): the weights of the quadrature; they sum to the volume of the
+    /// element.
     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; P];
-    /// The share of the element's volume that lumps at each node; sums to one.
+    /// Shares of the element's mass that are lumped at its nodes; they sum to one.
     fn node_shares(&self, corners: &[Vec3; N]) -> [f64; N];
     /// Modal values from nodal values, `T u`.
     #[inline(always)]
@@ -102,12 +108,13 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
     fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; N]) -> [[L; 3]; N] {
         *modal
     }
-    /// Strains at the points from modal displacements, or strain rates from modal velocities.
+    /// Strains at the integration points from modal displacements, or strain rates from modal velocities.
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; N]) -> [Strain<L>; P];
-    /// Modal forces (N): `sum_p B_p^T sigma_p V_p`, plus what resists the part of the modal
-    /// displacement `modes` that the points do not see (hourglass), for a medium of which
-    /// [`hourglass_modulus`](Self::hourglass_modulus) is `modulus` (Pa); less of it where the law has
-    /// less stiffness left.
+    /// Modal internal forces (N): `sum_p B_p^T sigma_p V_p`, plus hourglass forces.
+    ///
+    /// Hourglass forces resist the part of the modal displacement `modes` that the integration points do not
+    /// see, in proportion to `modulus` (Pa): [`hourglass_modulus`](Self::hourglass_modulus) times the
+    /// remaining share of it.
     fn forces<L: Lane>(
         &self,
         geometry: Geometry<L>,
@@ -115,13 +122,13 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
         modulus: L,
         modes: &[[L; 3]; N],
     ) -> [[L; 3]; N];
-    /// The modulus (Pa) that hourglass resistance is proportional to, of a medium with `lambda + 2 G` and
-    /// `G` (Pa); none, the default, if the points see every mode.
+    /// Hourglass modulus (Pa), to which hourglass forces are proportional, of a medium with `lambda + 2 G`
+    /// and `G` (Pa); none, the default, if the integration points see every mode.
     fn hourglass_modulus(&self, _constrained: f64, _shear: f64) -> Option<f64> {
         None
     }
-    /// The energy (J) held by the hourglass resistance of [`forces`](Self::forces), or `None` if
-    /// the points see every mode.
+    /// Hourglass energy (J), stored by the hourglass forces of [`forces`](Self::forces); none, the default,
+    /// if the integration points see every mode.
     #[inline(always)]
     fn hourglass_energy<L: Lane>(
         &self,
@@ -133,37 +140,49 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
     }
 }
 
-/// What a block is told at a step. Fields may be added.
+/// Storage of the new history variables of a force evaluation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum HistoryUpdate {
+    /// New history variables are stored beside the committed ones, so that further forces, stresses and
+    /// energies of the same step start from the committed ones.
+    #[default]
+    Buffered,
+    /// New history variables may overwrite the committed ones, because the next operation is a commit:
+    /// a step then touches half of the memory.
+    InPlace,
+}
+
+/// Input of a block of elements at a time step: motion of the nodes, and what the step requires.
+///
+/// Fields may be added.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct BlockContext<'a> {
-    /// Time (s).
+    /// Time of the displacement (s).
     pub time: f64,
-    /// Step number.
+    /// Number of steps taken before.
     pub number: u64,
-    /// Length of the step (s).
+    /// Length of the step (s); zero for static forces.
     pub step: f64,
     /// Displacement (m), engine numbering.
     pub displacement: NodalView<'a>,
     /// Velocity half a step before `time` (m/s), engine numbering.
     pub velocity: NodalView<'a>,
-    /// Added to the stiffness damping coefficient of every block (s); negative in the paper's
+    /// Addition to the stiffness damping coefficient of every block (s); negative in the paper's
     /// one-sided scheme.
     pub damping_shift: f64,
     /// Whether the block must account for its energies in this step.
     pub ledger: bool,
-    /// Whether history variables may be updated in place: nothing but a commit follows these forces, neither
-    /// others from the same committed history nor a question about it.
-    pub once: bool,
+    /// Where the block stores new history variables.
+    pub history_update: HistoryUpdate,
 }
 
 impl<'a> BlockContext<'a> {
-    /// A context at a time, for engines and tests.
-    pub fn new(
-        (number, time, step): (u64, f64, f64),
-        displacement: NodalView<'a>,
-        velocity: NodalView<'a>,
-    ) -> Self {
+    /// A context of a step, a displacement (m) and a velocity (m/s), without energy bookkeeping, with
+    /// buffered history variables.
+    pub fn new(when: StepTime, displacement: NodalView<'a>, velocity: NodalView<'a>) -> Self {
+        let StepTime { number, time, step } = when;
         Self {
             time,
             number,
@@ -172,22 +191,22 @@ impl<'a> BlockContext<'a> {
             velocity,
             damping_shift: 0.0,
             ledger: false,
-            once: false,
+            history_update: HistoryUpdate::Buffered,
         }
     }
-    /// The same with or without a commit as the only thing that follows.
+    /// The same context with another storage of new history variables.
     #[must_use]
-    pub fn with_once(mut self, once: bool) -> Self {
-        self.once = once;
+    pub fn with_history_update(mut self, update: HistoryUpdate) -> Self {
+        self.history_update = update;
         self
     }
-    /// The same with the stiffness damping shifted (s).
+    /// The same context with an addition to the stiffness damping coefficient (s).
     #[must_use]
     pub fn with_damping_shift(mut self, shift: f64) -> Self {
         self.damping_shift = shift;
         self
     }
-    /// The same with or without the energy account.
+    /// The same context with or without energy bookkeeping.
     #[must_use]
     pub fn with_ledger(mut self, ledger: bool) -> Self {
         self.ledger = ledger;
@@ -195,37 +214,42 @@ impl<'a> BlockContext<'a> {
     }
 }
 
-/// A linear operator of a block.
+/// Linear stiffness operator of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Operator {
-    /// Initial stiffness.
+    /// Initial (elastic) stiffness.
     Elastic,
-    /// Stress over strain in the static state of the last forces, those of a step of no length.
+    /// Secant stiffness, stress over strain, in the static state of the last forces, those of a step of
+    /// zero length.
     Secant,
-    /// Derivative of stress in that state.
+    /// Tangent stiffness, derivative of stress with respect to strain, in the same state.
     Tangent,
 }
 
-/// Energies of a block (J).
+/// Energies of a block (J): stored ones of the present state, and accumulated dissipation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct BlockEnergy {
-    /// Recoverable.
+    /// Stored (recoverable) strain energy.
     pub elastic: f64,
-    /// Held by hourglass resistance, and taken where that fell with the stiffness of the law.
+    /// Energy stored by hourglass forces, and lost where their stiffness fell with that of the law.
     pub hourglass: f64,
-    /// Dissipated by plastic flow, accumulated.
+    /// Energy dissipated by plastic flow, accumulated.
     pub plastic: f64,
-    /// Dissipated by damage, accumulated.
+    /// Energy dissipated by damage, accumulated.
     pub damage: f64,
-    /// Given back by stiffness that closing cracks regain, accumulated; not positive.
+    /// Energy of stiffness that closing cracks regain, accumulated; not positive.
     pub recovery: f64,
-    /// Work of stresses beyond what their laws say they hold, take and give back, accumulated: the
-    /// flow of a step counts with the stress at its end, its work with the mean. It falls with
-    /// the step.
+    /// Error of the integration of the law in time, accumulated: work of stresses beyond the energies
+    /// that their laws account for.
+    ///
+    /// The plastic flow of a step counts with the stress at its end, its work with the mean stress. The
+    /// error falls with the step.
     pub integration: f64,
-    /// Dissipated by stiffness damping, accumulated.
+    /// Energy dissipated by stiffness damping, accumulated.
     pub damping: f64,
-    /// Dissipated and stored by relaxation mechanisms, accumulated.
+    /// Energy dissipated and stored by relaxation mechanisms, accumulated.
     pub relaxation: f64,
 }
 
@@ -243,7 +267,14 @@ impl core::ops::AddAssign for BlockEnergy {
 }
 
 impl BlockEnergy {
-    /// The sum of all columns (J).
+    /// Energies of an elastic block: stored strain energy (J), all others zero.
+    pub fn elastic(elastic: f64) -> Self {
+        Self {
+            elastic,
+            ..Self::default()
+        }
+    }
+    /// The sum of all energies (J).
     pub fn total(&self) -> f64 {
         self.elastic
             + self.hourglass
@@ -256,54 +287,103 @@ impl BlockEnergy {
     }
 }
 
-/// Which term sets an element's bound.
+/// Term that limits the stable time step of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LimitingTerm {
-    /// The element's own stiffness and mass.
+    /// Stiffness and mass of the element.
     Stiffness,
-    /// Its stiffness damping.
+    /// Stiffness damping of the element.
     StiffnessDamping,
-    /// Its mass damping, far beyond critical.
+    /// Mass damping of the element, far beyond critical.
     MassDamping,
 }
 
-/// The highest natural frequency that one element can have alone.
+impl LimitingTerm {
+    /// Name of the term in reports, such as `stiffness damping`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stiffness => "stiffness",
+            Self::StiffnessDamping => "stiffness damping",
+            Self::MassDamping => "mass damping",
+        }
+    }
+}
+
+/// Bound on the highest natural frequency of one element without its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FrequencyBound {
     /// Mesh index of the element.
     pub element: u32,
-    /// Bound on the angular frequency (rad/s), from the eigenvalue of the actual kernel.
+    /// Bound on the angular frequency (rad/s), from the largest eigenvalue of the kernel in use.
     pub frequency: f64,
     /// Stiffness damping coefficient of the element (s).
     pub stiffness_damping: f64,
 }
 
-/// An element could not be computed.
+impl FrequencyBound {
+    /// A bound (rad/s) of the element with a mesh index, without damping.
+    pub fn new(element: u32, frequency: f64) -> Self {
+        Self {
+            element,
+            frequency,
+            stiffness_damping: 0.0,
+        }
+    }
+    /// The same bound with a stiffness damping coefficient (s).
+    #[must_use]
+    pub fn with_stiffness_damping(mut self, coefficient: f64) -> Self {
+        self.stiffness_damping = coefficient;
+        self
+    }
+}
+
+/// Failure of the force evaluation of one element.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ElementFault {
     /// Mesh index of the element.
     pub element: u32,
-    /// Why.
+    /// Reason of the failure.
     pub reason: String,
 }
 
-/// How an engine numbers nodes.
+impl ElementFault {
+    /// A failure of the element with a mesh index, for a reason.
+    pub fn new(element: u32, reason: impl Into<String>) -> Self {
+        Self {
+            element,
+            reason: reason.into(),
+        }
+    }
+}
+
+/// Node numbering of an engine: the maps between mesh indices and engine numbers.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Numbering {
-    /// Engine number of each mesh node (and of additional nodes after them).
+    /// Engine number of each mesh node, and of additional nodes after them.
     pub engine_of: Vec<u32>,
     /// Mesh index of each engine node.
     pub mesh_of: Vec<u32>,
 }
 
-/// Elements of one set with one kernel, one law and one lane, behind one virtual call per step.
+impl Numbering {
+    /// A numbering from the engine number of each mesh node and the mesh index of each engine node.
+    pub fn new(engine_of: Vec<u32>, mesh_of: Vec<u32>) -> Self {
+        Self { engine_of, mesh_of }
+    }
+}
+
+/// Block of elements of one set with one kernel, one law and one lane type, behind one virtual call per
+/// step.
 ///
-/// A block is also the unit of parallel work: an engine splits a large set into blocks and calls
-/// them side by side. It reads nodes in engine numbering and writes the forces of its own nodes,
-/// so that their sum has a fixed order whatever the number of threads. Blocks carry a level
-/// (local time steps) and an owner (rank or device), today always zero.
+/// A block is also the unit of parallel work: an engine splits a large set into blocks and computes them
+/// in parallel. A block reads nodes in engine numbering and writes the forces of its own nodes, so that
+/// their sum has a fixed order for any number of threads.
 ///
-/// A massless block that pulls one node to its place:
+/// A massless spring between one node and the ground:
 /// ```
 /// use powerhouse_model::*;
 /// struct Anchor { nodes: Vec<u32>, stiffness: f64 }
@@ -334,46 +414,52 @@ pub struct Numbering {
 ///     fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
 ///     fn energy(&self, context: &BlockContext) -> BlockEnergy {
 ///         let u = context.displacement.vector(self.nodes[0] as usize);
-///         BlockEnergy { elastic: 0.5 * self.stiffness * u.norm_squared(), ..BlockEnergy::default() }
+///         BlockEnergy::elastic(0.5 * self.stiffness * u.norm_squared())
 ///     }
 ///     fn history(&self) -> Vec<HistoryField> { Vec::new() }
 ///     fn set_history(&mut self, _fields: &[HistoryField]) {}
 /// }
 /// ```
 pub trait ElementBlock: Send + Sync {
-    /// The element set that the block belongs to.
+    /// Name of the element set to which the block belongs.
     fn label(&self) -> &str;
-    /// Mesh indices of its elements, in its own order.
+    /// Mesh indices of the elements, in the block's order.
     fn elements(&self) -> &[u32];
-    /// Engine numbers of the nodes that it touches; forces are written in this order.
+    /// Engine numbers of the nodes of the elements; forces are written in this order.
     fn nodes(&self) -> &[u32];
-    /// The level of local time stepping: the block steps with `dt / 2^level`.
+    /// Level of local time stepping: the block steps with `dt / 2^level`.
+    ///
+    /// Zero by default, which is a block that takes the common step. No engine here uses other levels.
     fn level(&self) -> u8 {
         0
     }
-    /// The rank or device that owns the block.
+    /// Rank or device that computes the block.
+    ///
+    /// Zero by default, which is the only rank of a run in one process. No engine here uses others.
     fn owner(&self) -> u32 {
         0
     }
-    /// Writes the internal forces (N), stiffness damping included, of every node of the block;
-    /// they resist the motion. Computes, but does not commit, the new history.
+    /// Writes the internal forces (N) of every node of the block, stiffness damping included, and computes
+    /// new history variables without committing them.
+    ///
+    /// Internal forces resist the motion.
     ///
     /// # Errors
-    /// If an element's strain is not finite or its law fails.
+    /// The first element of which displacement, velocity, stress or force is not finite.
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault>;
-    /// Makes the history of the last [`forces`](Self::forces) the old one.
+    /// Commits the history variables of the last [`forces`](Self::forces).
     fn commit(&mut self);
-    /// Writes the operator times a nodal vector, for every node of the block.
+    /// Writes the product of a stiffness operator and a nodal vector, for every node of the block.
     fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut);
-    /// Adds the 3 x 3 diagonal blocks of the operator, in the order of [`nodes`](Self::nodes).
+    /// Adds the nodal 3 x 3 diagonal blocks of a stiffness operator (N/m), in the order of
+    /// [`nodes`](Self::nodes).
     fn diagonal(&self, operator: Operator, out: &mut [Mat3]);
-    /// Shows the matrices that the operator is the sum of, one after another: engine numbers of the
-    /// nodes that a matrix couples, and its entries (N/m), row by row, three rows and three columns
-    /// per node.
+    /// Calls a function with every element stiffness matrix of an operator: engine numbers of the nodes that
+    /// the matrix couples, and its entries (N/m), row by row, three rows and three columns per node.
     ///
-    /// By default the block is one matrix of all its nodes, each column an [`apply`](Self::apply):
-    /// right for a few nodes, too much for many.
-    fn each_matrix(&self, operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
+    /// By default there is one matrix for all nodes of the block, each column from
+    /// [`apply`](Self::apply): right for a few nodes, expensive for many.
+    fn each_matrix(&self, operator: Operator, visit: &mut dyn FnMut(&[u32], &[f64])) {
         let nodes = self.nodes();
         let count = nodes.iter().max().map_or(0, |&most| most as usize + 1);
         let mut unit = vec![Quad::<f64>::default(); count];
@@ -393,59 +479,66 @@ pub trait ElementBlock: Send + Sync {
                 matrix[row * size + column] = forces[row / 3].values[row % 3];
             }
         }
-        show(nodes, &matrix);
+        visit(nodes, &matrix);
     }
-    /// Adds lumped masses (kg), in the order of [`nodes`](Self::nodes).
+    /// Adds the lumped masses of the nodes (kg), in the order of [`nodes`](Self::nodes).
     fn add_mass(&self, out: &mut [f64]);
-    /// The bound of each element.
+    /// Frequency bound of each active element.
     fn frequency_bounds(&self) -> Vec<FrequencyBound>;
-    /// The stiffness damping coefficient (s).
+    /// Stiffness damping coefficient of Rayleigh damping (s).
     fn stiffness_damping(&self) -> f64;
-    /// The mass damping coefficient (1/s).
+    /// Mass damping coefficient of Rayleigh damping (1/s).
     fn mass_damping(&self) -> f64;
-    /// Switches elements on and off, in the order of [`elements`](Self::elements).
+    /// Activates and deactivates elements, in the order of [`elements`](Self::elements).
     fn set_active(&mut self, active: &[bool]);
-    /// From now on strain, hourglass included, is measured from this displacement (engine
-    /// numbering): what is cast later is stress-free in the deformed state.
+    /// Sets the reference displacement (m, engine numbering), from which strain and hourglass deformation
+    /// are measured: elements that are cast later are free of stress in the deformed body.
     fn set_reference_displacement(&mut self, displacement: NodalView);
-    /// Sets the initial stress (Pa), in the order of [`elements`](Self::elements).
+    /// Sets the initial stress (Pa) of each element, in the order of [`elements`](Self::elements).
     fn set_initial_stress(&mut self, stress: &[Stress]);
-    /// Adds the nodal forces (N) of stresses (Pa) that are the same all over each element, given in
-    /// the order of [`elements`](Self::elements), in the order of [`nodes`](Self::nodes): what an
-    /// initial stress asks of the nodes. None by default, for blocks that bear no initial stress.
+    /// Adds the nodal forces (N) of uniform element stresses (Pa), such as initial stresses: stresses in the
+    /// order of [`elements`](Self::elements), forces in that of [`nodes`](Self::nodes).
+    ///
+    /// By default nothing is added, which is right for blocks that bear no initial stress, such as bolts
+    /// and boundary elements; a block with initial stress must override it, or the initial stress is not
+    /// in equilibrium.
     fn add_forces_of(&self, _stress: &[Stress], _out: &mut [Vec3]) {}
-    /// Adds the mean change of stress (Pa) of each element under the committed history, in the
-    /// order of [`elements`](Self::elements).
+    /// Adds the mean change of stress (Pa) over the volume of each element at a displacement (m), from the
+    /// committed history variables, in the order of [`elements`](Self::elements).
     fn add_stress(&self, displacement: NodalView, out: &mut [Stress]);
-    /// Writes the internal forces (N) of the element at a place of [`elements`](Self::elements) at its
-    /// nodes, in the mesh's order: those of its change of stress under the committed history on top of an
-    /// initial stress (Pa), and of hourglass resistance, without stiffness damping. Yields whether they are
-    /// known; they are not by default.
+    /// Writes the internal forces (N) of one element, given by its index in [`elements`](Self::elements), at
+    /// its nodes in the mesh's order; returns whether they were written.
+    ///
+    /// They are the forces of an initial stress (Pa) and of the change of stress at a displacement (m) from
+    /// the committed history variables, and hourglass forces, without stiffness damping. By default nothing
+    /// is written and the result is false, which says that the block has no forces per element: section
+    /// forces leave its elements out.
     fn element_forces(
         &self,
-        _place: usize,
+        _index: usize,
         _displacement: NodalView,
         _initial: &Stress,
         _out: &mut [Vec3],
     ) -> bool {
         false
     }
-    /// Energies at the context's displacement (elastic, hourglass) and accumulated ones.
+    /// Energies (J): elastic and hourglass energy at the context's displacement, and accumulated dissipation.
     fn energy(&self, context: &BlockContext) -> BlockEnergy;
-    /// The committed history, by name.
+    /// Committed history variables of all elements, one field per variable.
     fn history(&self) -> Vec<HistoryField>;
-    /// Takes over what belongs to its elements.
+    /// Sets committed history variables from fields, those of the block's own elements and variables.
     fn set_history(&mut self, fields: &[HistoryField]);
-    /// What the element at a place of [`elements`](Self::elements) shows of a history variable,
-    /// as of the last [`forces`](Self::forces), committed or not; none if its law has no such
-    /// variable. By default the mean over the points of the committed
-    /// [`history`](Self::history).
-    fn shown_history(&self, place: usize, variable: &str) -> Option<f64> {
+    /// Element value of a history variable after the last [`forces`](Self::forces), committed or not, of the
+    /// element with an index in [`elements`](Self::elements); none if its law has no such variable.
+    ///
+    /// By default it is the mean over the integration points of the committed [`history`](Self::history),
+    /// which is right for blocks whose history variables change only at a commit.
+    fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {
         let fields = self.history();
         let field = fields.iter().find(|field| field.name == variable)?;
         let values = field
             .values
-            .get(place * field.points..(place + 1) * field.points)?;
+            .get(index * field.points..(index + 1) * field.points)?;
         Some(values.iter().sum::<f64>() / field.points as f64)
     }
 }

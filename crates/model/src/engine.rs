@@ -1,6 +1,6 @@
 //! Time integration and observation.
 
-use crate::{JointView, ModelError, RunError, Stress, Vec3};
+use crate::{HistoryUpdate, JointView, ModelError, RunError, Stress, Vec3};
 
 /// How mass-proportional damping enters a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,15 +17,15 @@ pub enum MassDampingRule {
 pub struct ForceTerms {
     /// Added to every stiffness damping coefficient (s).
     pub damping_shift: f64,
-    /// Whether the step asks for no other forces and moves by these before it ends.
-    pub once: bool,
+    /// Where elements store new history variables.
+    pub history_update: HistoryUpdate,
 }
 
 impl ForceTerms {
     /// The forces of the equation of motion as it stands.
     pub const PLAIN: Self = Self {
         damping_shift: 0.0,
-        once: false,
+        history_update: HistoryUpdate::Buffered,
     };
     /// With every stiffness damping coefficient shifted (s).
     pub fn shifted(damping_shift: f64) -> Self {
@@ -34,12 +34,18 @@ impl ForceTerms {
             ..Self::PLAIN
         }
     }
-    /// The same, for forces that a step asks for once and moves by before it ends: elements may write
-    /// the new history variables over the old ones, which halves the memory that they touch. Forces that are
-    /// asked for all the same, or after an error, go on from there, as after a drift.
+    /// The same forces with another storage of new history variables.
+    ///
+    /// [`HistoryUpdate::InPlace`] is permitted where a step evaluates forces no more than once before it
+    /// drifts; elements may then overwrite their committed history variables, which halves the memory that
+    /// they touch. Further evaluations in the same step, or after an error, start from the overwritten
+    /// variables, as after a drift.
     #[must_use]
-    pub fn once(self) -> Self {
-        Self { once: true, ..self }
+    pub fn with_history_update(self, history_update: HistoryUpdate) -> Self {
+        Self {
+            history_update,
+            ..self
+        }
     }
 }
 
@@ -83,7 +89,7 @@ impl FrequencyLimits {
     }
 }
 
-/// The operations that an explicit scheme is composed of; an engine offers them.
+/// Operations of which an explicit time integration scheme is composed; implemented by engines only.
 ///
 /// A step from `t` to `t + dt` is [`forces`](Self::forces) at `t`, [`kick`](Self::kick),
 /// [`constrain`](Self::constrain), [`drift`](Self::drift).
@@ -120,7 +126,7 @@ pub trait Dynamics {
 ///     fn stable_step(&self, limits: &FrequencyLimits) -> Result<f64, RunError> { Ok(2.0 / limits.highest) }
 ///     fn check(&self, _limits: &FrequencyLimits, _step: f64) -> Result<(), RunError> { Ok(()) }
 ///     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
-///         dynamics.forces(ForceTerms::PLAIN.once(), step)?;
+///         dynamics.forces(ForceTerms::PLAIN.with_history_update(HistoryUpdate::InPlace), step)?;
 ///         dynamics.kick(MassDampingRule::Implicit, step)?;
 ///         dynamics.constrain(step)?;
 ///         dynamics.drift(step);
@@ -178,9 +184,9 @@ pub enum Flow {
     Stop,
 }
 
-/// A step as an observer sees it: everything in the mesh's numbering.
+/// State of the body at a time step for observers, in the mesh's numbering; implemented by engines only.
 ///
-/// Engines implement it; a view of a body that never moves serves to try an observer:
+/// A view of a body that never moves, to test an observer:
 /// ```
 /// use powerhouse_model::{StepView, Stress, Vec3};
 /// struct Still(usize);

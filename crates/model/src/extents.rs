@@ -1,19 +1,19 @@
-//! How wide an element is in any direction.
+//! Widths of elements.
 
 use nalgebra::SymmetricEigen;
 
 use crate::{ElementKind, Lane, Mat3, Vec3};
 
-/// The width of an element in any direction (m), by the second moments of its volume.
+/// Widths of an element in all directions (m), from the second moments of its volume.
 ///
 /// ```text
 /// H^2 = (12 / V) integral of (x - c)(x - c)^T dV,   h(n) = sqrt(n . H^2 n)
 /// ```
-/// with the volume `V` and its centre `c`. A box has its edges along its own axes, however it is
-/// turned, and a cube the same width in all directions; a tetrahedron whose edges are all `a` has
+/// with the volume `V` and its centroid `c`. The widths of a box along its axes are its edges, in any
+/// orientation; a cube has the same width in all directions, and a regular tetrahedron of edge `a` has
 /// `0.55 a`. A crack band in the element is as wide as the element along the normal of the crack.
 ///
-/// The numbers are those of the symmetric tensor `H^2` (m2), components xx yy zz xy yz zx, shears
+/// The numbers are the components of the symmetric tensor `H^2` (m2), components xx yy zz xy yz zx, shears
 /// not doubled.
 ///
 /// Sources: J. Oliver, A consistent characteristic length for smeared cracking models, Int. J. Numer.
@@ -32,13 +32,13 @@ use crate::{ElementKind, Lane, Mat3, Vec3};
 pub struct Extents<L>(pub [L; 6]);
 
 impl<L: Lane> Extents<L> {
-    /// Of an element that is equally wide in all directions (m).
+    /// Widths of an element that is equally wide in all directions (m).
     #[inline(always)]
     pub fn uniform(size: L) -> Self {
         let (square, zero) = (size * size, size.constant(0.0));
         Self([square, square, square, zero, zero, zero])
     }
-    /// The width along a unit vector (m).
+    /// Width along a unit vector (m).
     #[inline(always)]
     pub fn along(&self, &[x, y, z]: &[L; 3]) -> L {
         let [xx, yy, zz, xy, yz, zx] = self.0;
@@ -57,7 +57,7 @@ const LINE: [(f64, f64); 3] = [
     (0.774_596_669_241_483_4, 5.0 / 9.0),
 ];
 
-/// Where a rule of points for the reference element of a kind stands, with weights.
+/// Points and weights of a quadrature on the reference element of a kind.
 fn rule(kind: ElementKind) -> Vec<(Vec3, f64)> {
     let cube = LINE.iter().flat_map(|&(x, a)| {
         LINE.iter()
@@ -65,7 +65,7 @@ fn rule(kind: ElementKind) -> Vec<(Vec3, f64)> {
     });
     match kind {
         ElementKind::Hex8 => cube.collect(),
-        // A square or cube whose side or face is drawn together: the map of Duffy (1982).
+        // A square or cube of which a side or face is collapsed: the map of Duffy (1982).
         ElementKind::Wedge6 => cube
             .map(|(p, weight)| {
                 let (r, s) = (0.5 * (1.0 + p.x), 0.5 * (1.0 + p.y));
@@ -87,10 +87,10 @@ fn rule(kind: ElementKind) -> Vec<(Vec3, f64)> {
 }
 
 impl Extents<f64> {
-    /// Of an element with these corners (m), in the order of its kind.
+    /// Widths of an element from its corners (m), in the order of its kind.
     ///
     /// Integrated by three points along each axis of the reference element, exact but for warped wedges,
-    /// where it is off by less than a thousandth. A bar has its length, and no width across it.
+    /// where the error is below a thousandth. A bar has its length along its axis and zero width across it.
     ///
     /// # Panics
     /// If there are fewer corners than the kind has.
@@ -129,7 +129,7 @@ impl Extents<f64> {
             square[(2, 0)],
         ])
     }
-    /// The greatest, the middle and the least width of all directions (m).
+    /// Principal widths (m): the greatest, the intermediate and the least width of all directions.
     pub fn principal(&self) -> [f64; 3] {
         let [xx, yy, zz, xy, yz, zx] = self.0;
         let square = Mat3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz);

@@ -1,15 +1,15 @@
-//! Arithmetic on one or many numbers at once.
+//! Lanes: arithmetic on one number or on a SIMD register of them.
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A storage type of a number: `f64` or `f32`.
+/// Floating-point type in which numbers are stored: `f64` or `f32`.
 pub trait Scalar: Copy + Send + Sync + PartialOrd + Debug + Default + 'static {
-    /// The distance from one to the next larger number.
+    /// Machine epsilon, the distance from one to the next larger number.
     const EPSILON: f64;
-    /// Rounds a double to this type.
+    /// The double rounded to this type.
     fn from_f64(value: f64) -> Self;
-    /// The value as a double, exact.
+    /// The value as a double, without rounding.
     fn to_f64(self) -> f64;
 }
 
@@ -37,15 +37,15 @@ impl Scalar for f32 {
     }
 }
 
-/// A pack of [`WIDTH`](Self::WIDTH) numbers that are computed with together, one element per lane.
+/// SIMD pack of [`WIDTH`](Self::WIDTH) numbers with element-wise arithmetic, one finite element per lane.
 ///
-/// Kernels and laws are written once, generic over the lane. The scalar instantiations (`f64`,
-/// `f32`) are the oracle of the wide ones: the same operations in the same order, so the same
+/// Kernels and laws are written once, generic over the lane type. The scalar instantiations (`f64`,
+/// `f32`) are the reference of the wide ones: the same operations in the same order, hence the same
 /// bits. Fused multiply-add is used only where [`mul_add`](Self::mul_add) is written.
 ///
-/// Wide lanes live in the engine, behind a [`Token`](Self::Token) that proves that the processor
-/// has the instructions. Every value carries its token, hence constants are made from a value at
-/// hand: `x.constant(0.5)`.
+/// Wide lane types belong to the engine; a [`Token`](Self::Token) proves that the processor has their
+/// instructions. Every value carries its token, hence constants are made from a value at hand:
+/// `x.constant(0.5)`.
 ///
 /// ```
 /// use powerhouse_model::Lane;
@@ -66,38 +66,38 @@ pub trait Lane:
     + Neg<Output = Self>
     + 'static
 {
-    /// What one number is stored as.
+    /// Storage type of one number.
     type Scalar: Scalar;
-    /// Proof that the processor can do the arithmetic.
+    /// Proof that the processor has the instructions of the lane type.
     type Token: Copy + Send + Sync + 'static;
-    /// One truth value per lane.
+    /// Mask: one truth value per lane.
     type Mask: Copy;
-    /// How many numbers are computed at once.
+    /// Number of lanes.
     const WIDTH: usize;
 
-    /// The same number in every lane.
+    /// A constant in every lane.
     fn splat(token: Self::Token, value: f64) -> Self;
     /// Reads the first [`WIDTH`](Self::WIDTH) numbers of a slice.
     ///
     /// # Panics
     /// If the slice is shorter.
     fn load(token: Self::Token, from: &[Self::Scalar]) -> Self;
-    /// Writes the lanes to the first [`WIDTH`](Self::WIDTH) places of a slice.
+    /// Writes the lanes to the first [`WIDTH`](Self::WIDTH) numbers of a slice.
     ///
     /// # Panics
     /// If the slice is shorter.
     fn store(self, to: &mut [Self::Scalar]);
-    /// The token that this value carries.
+    /// The token of this value.
     fn token(self) -> Self::Token;
-    /// `self * factor + summand`, rounded once.
+    /// Fused multiply-add `self * factor + summand`, rounded once.
     fn mul_add(self, factor: Self, summand: Self) -> Self;
     /// The square root, correctly rounded; NaN below zero.
     fn sqrt(self) -> Self;
     /// The absolute value.
     fn abs(self) -> Self;
-    /// `self < other`, lane by lane; false where either is NaN.
+    /// Mask of `self < other`, lane by lane; false where either is NaN.
     fn less(self, other: Self) -> Self::Mask;
-    /// `self` where the mask is true, `other` elsewhere.
+    /// Selection by a mask: `self` where it is true, `other` elsewhere.
     fn select(self, mask: Self::Mask, other: Self) -> Self;
     /// Whether any lane of the mask is true.
     fn any(self, mask: Self::Mask) -> bool;
@@ -106,10 +106,10 @@ pub trait Lane:
     /// # Panics
     /// If `lane >= WIDTH`.
     fn extract(self, lane: usize) -> f64;
-    /// Builds a value lane by lane; the numbers are rounded to the lane's scalar.
+    /// A value whose lanes are computed one by one; the numbers are rounded to the storage type.
     fn build(token: Self::Token, value: impl FnMut(usize) -> f64) -> Self;
 
-    /// The same number in every lane, from a value at hand.
+    /// A constant in every lane, with the token of this value.
     #[inline(always)]
     fn constant(self, value: f64) -> Self {
         Self::splat(self.token(), value)
@@ -124,23 +124,23 @@ pub trait Lane:
     fn max(self, other: Self) -> Self {
         self.select(other.less(self), other)
     }
-    /// The nearest whole number, the even one of two; for sizes below `1 / (2 EPSILON)`.
+    /// The nearest integer, ties to even, of values of magnitude below `1 / (2 EPSILON)`.
     #[inline(always)]
     fn round(self) -> Self {
         let shift = self.constant(1.5 / Self::Scalar::EPSILON);
         (self + shift) - shift
     }
-    /// `2^x` of whole numbers `x` of which that is a normal number; without a meaning for others.
+    /// Power of two `2^x` of integers `x` for which it is a normal number; meaningless for others.
     #[inline(always)]
     fn power_of_two(self) -> Self {
         Self::build(self.token(), |lane| 2.0_f64.powi(self.extract(lane) as i32))
     }
 }
 
-/// `f` of each number of an array.
+/// Array of `f` of each value of an array.
 ///
-/// Laws and kernels use this instead of `array::map`, which the compiler may keep as a function of
-/// its own, made for the oldest processor.
+/// Laws and kernels use this instead of `array::map`, which the compiler may leave as a separate function
+/// without the instructions of the lane type.
 #[inline(always)]
 pub fn each<L: Lane, const N: usize>(values: &[L; N], f: impl Fn(L) -> L) -> [L; N] {
     let mut out = *values;
@@ -150,12 +150,12 @@ pub fn each<L: Lane, const N: usize>(values: &[L; N], f: impl Fn(L) -> L) -> [L;
     out
 }
 
-/// The array of `f` of each place; for laws and kernels, as [`each`], instead of `array::from_fn`.
+/// Array of `f` of each index; for laws and kernels, as [`each`], instead of `array::from_fn`.
 #[inline(always)]
 pub fn array<L: Lane, const N: usize>(f: impl Fn(usize) -> L) -> [L; N] {
     let mut out = [f(0); N];
-    for (place, value) in out.iter_mut().enumerate().skip(1) {
-        *value = f(place);
+    for (index, value) in out.iter_mut().enumerate().skip(1) {
+        *value = f(index);
     }
     out
 }

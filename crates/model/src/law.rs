@@ -1,34 +1,36 @@
-//! What a material does: stress from strain and history.
+//! Constitutive laws: stress from strain and history variables at an integration point.
 
-use std::sync::Arc;
+use crate::{ElasticDomain, ElasticMedium, Lane, LawInput, ModelError, Stress};
 
-use crate::{ElasticDomain, ElasticMedium, Extents, Lane, ModelError, Strain, Stress};
-
-/// How results show a history variable.
+/// Kind of a history variable: how the values at the integration points become one value per element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum HistoryKind {
-    /// An amount, such as damage: elements show the mean over their points, envelopes the greatest.
+    /// A scalar amount, such as damage: the element value is the mean over its integration points, an
+    /// envelope is the maximum over time.
     Amount,
-    /// A component of a tensor: elements show the mean over their points.
+    /// A component of a tensor: the element value is the mean over its integration points.
     Component,
-    /// A whole number whose bits are flags, such as a yield state: elements show every flag that
-    /// one of their points has.
+    /// A whole number whose bits are flags, such as a yield state: the element value has every flag
+    /// that is set at one of its integration points.
     Flags,
 }
 
-/// One named number that a law keeps at every integration point.
+/// History variable (internal state variable) of a constitutive law: name, unit and kind of one number
+/// per integration point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct HistoryVariable {
-    /// The name in results, such as `equivalent_plastic_strain_tension`.
+    /// Name in results, such as `equivalent_plastic_strain_tension`.
     pub name: &'static str,
-    /// Its unit, `1` if it has none.
+    /// Unit, `1` for a dimensionless number.
     pub unit: &'static str,
-    /// How results show it.
+    /// How element values are formed from values at integration points.
     pub kind: HistoryKind,
 }
 
 impl HistoryVariable {
-    /// An amount.
+    /// A history variable of kind [`HistoryKind::Amount`], with its name and unit.
     pub const fn amount(name: &'static str, unit: &'static str) -> Self {
         Self {
             name,
@@ -36,7 +38,7 @@ impl HistoryVariable {
             kind: HistoryKind::Amount,
         }
     }
-    /// A component of a tensor.
+    /// A history variable of kind [`HistoryKind::Component`], with its name and unit.
     pub const fn component(name: &'static str, unit: &'static str) -> Self {
         Self {
             name,
@@ -44,7 +46,7 @@ impl HistoryVariable {
             kind: HistoryKind::Component,
         }
     }
-    /// A whole number whose bits are flags.
+    /// A dimensionless history variable of kind [`HistoryKind::Flags`], with its name.
     pub const fn flags(name: &'static str) -> Self {
         Self {
             name,
@@ -53,7 +55,7 @@ impl HistoryVariable {
         }
     }
 
-    /// What an element shows of the values at its points.
+    /// The element value of the variable from its values at the integration points of the element.
     ///
     /// ```
     /// use powerhouse_model::HistoryVariable;
@@ -72,7 +74,8 @@ impl HistoryVariable {
     }
 }
 
-/// What a point holds, and what the step to its present state cost (J/m3).
+/// Energy density (J/m3) of an integration point after a step: stored energy, and energy dissipated and
+/// recovered in the step.
 ///
 /// With the work `sigma : de` of the *change* of stress, an elastic law with plastic strain `p`
 /// and damage `D` has
@@ -81,103 +84,121 @@ impl HistoryVariable {
 /// psi(s) dD`
 ///
 /// where `psi(s) = s : C^-1 : s / 2` and `s` is the effective stress, initial stress included.
+///
+/// ```
+/// use powerhouse_model::LawEnergy;
+/// let energy = LawEnergy::stored(3.0).with_plastic(1.0);
+/// assert_eq!((energy.stored, energy.plastic, energy.damage), (3.0, 1.0, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LawEnergy<L> {
-    /// Energy that is held, less the work of the initial stress, zero at the start.
+    /// Stored (recoverable) energy at the end of the step less the work of the initial stress, zero at
+    /// the start.
     pub stored: L,
-    /// Taken by plastic flow in the step, not negative.
+    /// Energy dissipated by plastic flow in the step, not negative.
     pub plastic: L,
-    /// Taken by growing damage in the step, not negative.
+    /// Energy dissipated by growth of damage in the step, not negative.
     pub damage: L,
-    /// Given back in the step, not negative: the energy of stiffness that closing cracks regain.
+    /// Energy of stiffness that closing cracks regain in the step, not negative.
     pub recovered: L,
 }
 
-/// What damage and plastic flow have left of the elastic stiffness at a point after a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RemainingStiffness<L> {
-    /// The share that damage leaves, `1 - D`. With it, and with the elastic share of the step's strain,
-    /// acts stiffness damping.
-    pub undamaged: L,
-    /// The share with which the hourglass stiffness acts of elements that have fewer points than modes: what
-    /// damage leaves. It must never rise, or hourglass resistance makes energy. Plastic flow leaves all of it: hourglass forces grow with the whole displacement, and
-    /// a stiffness that falls as a point flows softens the element, so that static solutions do not
-    /// converge, or to different states.
-    pub of_path: L,
-    /// The increment of plastic strain in the step, engineering shears.
-    pub flowed: [L; 6],
-}
-
-/// What a law is told. Later fields do not break laws.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct LawInput<'a, L: Lane> {
-    /// Total strain since the reference configuration.
-    pub strain: Strain<L>,
-    /// The initial stress (Pa) at zero strain.
-    pub initial: Stress<L>,
-    /// The committed history, in the order of [`ConstitutiveLaw::history`].
-    pub history: &'a [L],
-    /// How wide the element is in any direction (m): a crack band is as wide as its element along the
-    /// normal of the crack, [`Extents::along`].
-    pub extents: Extents<L>,
-}
-
-impl<'a, L: Lane> LawInput<'a, L> {
-    /// An input without initial stress and of unit size.
+impl<L: Lane> LawEnergy<L> {
+    /// Stored energy (J/m3) of a step without dissipation.
     #[inline(always)]
-    pub fn new(strain: Strain<L>, history: &'a [L]) -> Self {
-        let token = strain.0[0].token();
+    pub fn stored(stored: L) -> Self {
+        let zero = stored.constant(0.0);
         Self {
-            strain,
-            initial: Stress::zero(token),
-            history,
-            extents: Extents::uniform(L::splat(token, 1.0)),
+            stored,
+            plastic: zero,
+            damage: zero,
+            recovered: zero,
         }
     }
-    /// The same with another strain.
+    /// The same energies with a dissipation by plastic flow (J/m3), not negative.
     #[inline(always)]
     #[must_use]
-    pub fn with_strain(mut self, strain: Strain<L>) -> Self {
-        self.strain = strain;
+    pub fn with_plastic(mut self, plastic: L) -> Self {
+        self.plastic = plastic;
         self
     }
-    /// The same with another history, such as that of a law within a law.
+    /// The same energies with a dissipation by growth of damage (J/m3), not negative.
     #[inline(always)]
     #[must_use]
-    pub fn with_history(mut self, history: &'a [L]) -> Self {
-        self.history = history;
+    pub fn with_damage(mut self, damage: L) -> Self {
+        self.damage = damage;
         self
     }
-    /// The same with an initial stress (Pa).
+    /// The same energies with an energy of regained stiffness (J/m3), not negative.
     #[inline(always)]
     #[must_use]
-    pub fn with_initial(mut self, initial: Stress<L>) -> Self {
-        self.initial = initial;
-        self
-    }
-    /// The same in an element that is equally wide in all directions (m).
-    #[inline(always)]
-    #[must_use]
-    pub fn with_size(self, size: L) -> Self {
-        self.with_extents(Extents::uniform(size))
-    }
-    /// The same in an element of other widths.
-    #[inline(always)]
-    #[must_use]
-    pub fn with_extents(mut self, extents: Extents<L>) -> Self {
-        self.extents = extents;
+    pub fn with_recovered(mut self, recovered: L) -> Self {
+        self.recovered = recovered;
         self
     }
 }
 
-/// A constitutive law, generic over the lane: a pure map from old history and strain to new
-/// history and stress.
+/// Shares of the elastic stiffness that remain at an integration point after a step of damage and plastic
+/// flow, for stiffness damping and hourglass stiffness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RemainingStiffness<L> {
+    /// Share that damage leaves, `1 - D`, from 0 to 1. Stiffness damping acts with it and with the elastic
+    /// share of the step's strain.
+    pub undamaged: L,
+    /// Share with which the hourglass stiffness acts in elements that have fewer integration points than
+    /// modes, from 0 to 1.
+    ///
+    /// It must never rise, or hourglass resistance makes energy. It is what damage leaves; plastic flow
+    /// leaves all of it: hourglass forces grow with the whole displacement, and a stiffness that falls with
+    /// plastic flow softens the element, so that static solutions do not converge, or to different states.
+    pub hourglass: L,
+    /// Increment of plastic strain in the step, components xx yy zz xy yz zx, engineering shears.
+    pub plastic_strain_increment: [L; 6],
+}
+
+impl<L: Lane> RemainingStiffness<L> {
+    /// The whole elastic stiffness, without plastic flow, in the lanes of any value at hand.
+    #[inline(always)]
+    pub fn whole(any: L) -> Self {
+        let (zero, one) = (any.constant(0.0), any.constant(1.0));
+        Self {
+            undamaged: one,
+            hourglass: one,
+            plastic_strain_increment: [zero; 6],
+        }
+    }
+    /// The same with a share of the stiffness that damage leaves, from 0 to 1.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_undamaged(mut self, share: L) -> Self {
+        self.undamaged = share;
+        self
+    }
+    /// The same with a share of the hourglass stiffness, from 0 to 1.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_hourglass(mut self, share: L) -> Self {
+        self.hourglass = share;
+        self
+    }
+    /// The same with an increment of plastic strain, components xx yy zz xy yz zx, engineering shears.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_plastic_strain_increment(mut self, increment: [L; 6]) -> Self {
+        self.plastic_strain_increment = increment;
+        self
+    }
+}
+
+/// A constitutive law, generic over the lane: a pure map from strain and committed history variables to
+/// stress and new history variables.
 ///
-/// The law never commits: the caller decides whether the new history becomes the old one, so
-/// that a static solver can try a strain and take it back. It returns the *change* of stress
-/// against [`LawInput::initial`]: an initial stress of megapascals does not eat the digits of a
-/// small wave, in single precision least of all.
+/// The law never commits: the caller decides whether the new history variables become the committed ones,
+/// so that a static solver can evaluate a trial strain and discard it. The law returns the *change* of
+/// stress against [`LawInput::initial`], so that an initial stress of megapascals does not round away the
+/// stress of a small wave, in single precision least of all.
 ///
 /// A linear law without history:
 /// ```
@@ -203,49 +224,87 @@ impl<'a, L: Lane> LawInput<'a, L> {
 /// # Ok::<(), powerhouse_model::ParameterError>(())
 /// ```
 pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
-    /// Whether the change of stress is always `lambda tr(e) I + 2 G e` of
-    /// [`medium`](Self::medium); engines then use closed forms and never ask the law.
+    /// Whether the change of stress is always `lambda tr(e) I + 2 G e` of [`medium`](Self::medium);
+    /// engines then use closed forms and never evaluate the law.
     const LINEAR: bool = false;
 
     /// The law's name in reports.
     fn name(&self) -> &str;
-    /// The elastic medium of the undamaged material.
-    fn medium(&self) -> ElasticMedium;
-    /// The history variables at a point, all zero at the start.
-    fn history(&self) -> &[HistoryVariable];
-    /// The change of stress (Pa) against the initial stress; writes the new history, every variable of
-    /// it: what a law finds there means nothing.
-    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L>;
-    /// The law in a motion whose steps have a length (s), for laws that depend on time; itself by
-    /// default.
+    /// The elastic medium of the undamaged material: mass, stable time step, stiffness damping and
+    /// hourglass stiffness follow from it.
     ///
-    /// Engines ask the result in every step and commit the history once per step. The law
-    /// itself, of which no step was asked for, is the static one: nothing relaxes.
+    /// A law whose stiffness varies in space returns its stiffest medium, and one density for all points.
+    fn medium(&self) -> ElasticMedium;
+    /// The history variables of an integration point, all zero at the start.
+    fn history(&self) -> &[HistoryVariable];
+    /// Whether the law reads [`LawInput::position`] or [`LawInput::elements`]; false by default.
+    ///
+    /// Engines store and pass the location of every integration point for laws that return true, and
+    /// spend nothing on it for the others.
+    ///
+    /// A stiffness that grows with depth, in one law for a whole element set:
+    /// ```
+    /// use powerhouse_model::{ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, PointLocation, Strain, Stress};
+    ///
+    /// /// Soil with the stiffness of `stiffest` at a depth and below, less above it.
+    /// #[derive(Clone)]
+    /// struct Graded { stiffest: ElasticMedium, depth: f64 }
+    ///
+    /// impl ConstitutiveLaw for Graded {
+    ///     fn name(&self) -> &str { "graded" }
+    ///     fn medium(&self) -> ElasticMedium { self.stiffest }
+    ///     fn history(&self) -> &[HistoryVariable] { &[] }
+    ///     fn uses_location(&self) -> bool { true }
+    ///     #[inline(always)]
+    ///     fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
+    ///         let [_, _, z] = input.position();
+    ///         let share = (z * z.constant(-1.0 / self.depth)).min(z.constant(1.0));
+    ///         let (lambda, shear) = (z.constant(self.stiffest.lambda()), z.constant(self.stiffest.shear()));
+    ///         Stress::elastic(lambda, shear, &input.strain) * share
+    ///     }
+    /// }
+    ///
+    /// let soil = Graded { stiffest: ElasticMedium::new(2.5, 0.25, 1.0)?, depth: 20.0 };
+    /// let location = PointLocation::new([0.0, 0.0, -5.0], &[17]);
+    /// let input = LawInput::new(Strain([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]), &[]).with_location(&location);
+    /// assert_eq!(soil.stress_change(&input, &mut []).0[0], 0.25 * 3.0);
+    /// # Ok::<(), powerhouse_model::ParameterError>(())
+    /// ```
+    fn uses_location(&self) -> bool {
+        false
+    }
+    /// The change of stress (Pa) against the initial stress; writes every new history variable.
+    ///
+    /// The values that `new_history` holds before the call have no meaning.
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L>;
+    /// The law discretised in time for steps of a length (s), for laws that depend on time; the law itself
+    /// by default.
+    ///
+    /// Engines evaluate the result in dynamic steps and commit the history variables at the end of each.
+    /// The law itself is the static one, in which nothing relaxes.
     #[must_use]
     fn for_step(&self, _length: f64) -> Self {
         self.clone()
     }
-    /// Whether the law is [`LINEAR`](Self::LINEAR).
+    /// Whether the law is linear elastic, [`LINEAR`](Self::LINEAR).
     fn is_linear(&self) -> bool {
         Self::LINEAR
     }
-    /// What a point holds after the step to `input` and `new_history`, and what that step cost, for
-    /// the energy ledger.
+    /// Energy density (J/m3) after the step to `input` and `new_history`, for the energy balance; none by
+    /// default.
     ///
-    /// By default the law says nothing: what its medium would give back by unloading elastically
-    /// counts as stored, `sigma : C^-1 : sigma / 2` of the change of stress, and all else as plastic.
-    /// Laws answer always or never.
+    /// Without it the energy that elastic unloading would return counts as stored, `sigma : C^-1 : sigma / 2`
+    /// of the change of stress, and all other work as plastic dissipation. A law returns it always or never.
     #[inline(always)]
     fn energy<L: Lane>(&self, _input: &LawInput<L>, _new_history: &[L]) -> Option<LawEnergy<L>> {
         None
     }
-    /// What the step to `input` and `new_history`, which ended at a change of stress (Pa), has left of
-    /// the elastic stiffness. Engines scale with it what they add to the law's stress: stiffness damping
-    /// and hourglass stiffness.
+    /// Remaining share of the elastic stiffness after the step to `input` and `new_history`, which ended at a
+    /// change of stress (Pa). Engines scale stiffness damping and hourglass stiffness by it.
     ///
-    /// By default stiffness damping has what the change of stress works on the strain over what that of the
-    /// undamaged medium would, between 0 and 1, hourglass stiffness stays whole, and there is no plastic
-    /// strain.
+    /// By default the share for stiffness damping is the work of the change of stress on the strain over that
+    /// of the stress of the undamaged medium, between 0 and 1; hourglass stiffness stays whole, and there is
+    /// no plastic strain.
     #[inline(always)]
     fn remaining_stiffness<L: Lane>(
         &self,
@@ -262,43 +321,45 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
         let some = zero.less(whole);
         let share = change.work(&input.strain) / whole.select(some, one);
         let share = share.min(one).max(zero).select(some, one);
-        RemainingStiffness {
-            undamaged: share,
-            of_path: one,
-            flowed: [zero; 6],
-        }
+        RemainingStiffness::whole(first).with_undamaged(share)
     }
-    /// Whether the work that [`energy`](Self::energy) does not tell of is with relaxation
-    /// mechanisms, which hold some of it and dissipate the rest.
+    /// Whether the law is viscoelastic: work that [`energy`](Self::energy) does not account for is stored or
+    /// dissipated by relaxation mechanisms, and has a column of its own in the energy balance.
     fn relaxes(&self) -> bool {
         false
     }
-    /// Accepts or refuses elements of a width along the normal of a crack (m), before a run. All are
-    /// accepted by default. Engines ask for the greatest and the least width of all directions
-    /// ([`Extents::principal`]) of every element; a law that accepts both accepts all between.
+    /// Checks a width of an element along the normal of a crack (m) before a run; every width is accepted by
+    /// default.
+    ///
+    /// Engines check the greatest and the least width of all directions ([`Extents::principal`]) of every
+    /// element; a law that accepts both accepts all between.
     ///
     /// # Errors
-    /// Why, with the widths that are permitted.
+    /// The reason of a refusal, with the permitted widths.
     fn accept_size(&self, _size: f64) -> Result<(), ModelError> {
         Ok(())
     }
-    /// Total stresses, initial stress included, that are surely elastic as long as the history is
-    /// zero: engines then take [`Stress::elastic`] of [`medium`](Self::medium) and do not ask. There
-    /// the law must give these very bits and leave its history zero. Not known by default.
+    /// Elastic domain of the virgin material: total stresses, initial stress included, that are certainly
+    /// elastic as long as all history variables are zero; unknown by default.
+    ///
+    /// Inside it engines use [`Stress::elastic`] of [`medium`](Self::medium) instead of the law, which must
+    /// return the same bits there and leave its history variables zero. For a law that varies in space it is
+    /// the elastic domain of the weakest point, and its stiffness must be that of `medium` everywhere.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         None
     }
-    /// The tangent `d stress / d strain` (Pa, 6 x 6, rows of stress) at a point, if the law offers
-    /// one.
+    /// Tangent stiffness `d stress / d strain` (Pa, 6 x 6, rows of stress); none by default, where engines
+    /// form it by central differences.
     fn tangent(&self, _input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         None
     }
 }
 
-/// The change of stress of one point in double precision, [`ConstitutiveLaw::stress_change`].
+/// Change of stress (Pa) at one integration point in double precision, by
+/// [`ConstitutiveLaw::stress_change`].
 ///
-/// Laws are inlined where they are asked; this is a copy of a law's code that all may share who ask
-/// for single points.
+/// Laws are inlined where they are evaluated; this function is one compiled copy of a law that all
+/// evaluations of single points share.
 #[inline(never)]
 pub fn point_stress_change<M: ConstitutiveLaw>(
     law: &M,
@@ -308,8 +369,8 @@ pub fn point_stress_change<M: ConstitutiveLaw>(
     law.stress_change(input, new_history)
 }
 
-/// The energy of one point in double precision, [`ConstitutiveLaw::energy`], shared as
-/// [`point_stress_change`] is.
+/// Energy density (J/m3) at one integration point in double precision, by [`ConstitutiveLaw::energy`];
+/// one compiled copy of it, as [`point_stress_change`].
 #[inline(never)]
 pub fn point_energy<M: ConstitutiveLaw>(
     law: &M,
@@ -317,134 +378,4 @@ pub fn point_energy<M: ConstitutiveLaw>(
     new_history: &[f64],
 ) -> Option<LawEnergy<f64>> {
     law.energy(input, new_history)
-}
-
-/// A constitutive law for one point in double precision, object-safe: a user's first law.
-///
-/// [`PointAdapter`] makes a [`ConstitutiveLaw`] of it, lane by lane and slower.
-/// ```
-/// use powerhouse_model::{ElasticMedium, HistoryVariable, LawInput, PointLaw, Stress};
-///
-/// struct NoTension(ElasticMedium);
-/// impl PointLaw for NoTension {
-///     fn name(&self) -> &str { "no-tension" }
-///     fn medium(&self) -> ElasticMedium { self.0 }
-///     fn history(&self) -> &'static [HistoryVariable] { &[] }
-///     fn stress_change(&self, input: &LawInput<f64>, _new: &mut [f64]) -> Stress {
-///         let stress = Stress::elastic(self.0.lambda(), self.0.shear(), &input.strain);
-///         if stress.mean() > 0.0 { Stress([0.0; 6]) } else { stress }
-///     }
-/// }
-/// ```
-pub trait PointLaw: Send + Sync {
-    /// The law's name in reports.
-    fn name(&self) -> &str;
-    /// The elastic medium of the undamaged material.
-    fn medium(&self) -> ElasticMedium;
-    /// The history variables at a point, all zero at the start.
-    fn history(&self) -> &[HistoryVariable];
-    /// As [`ConstitutiveLaw::stress_change`].
-    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
-    /// As [`ConstitutiveLaw::energy`].
-    fn energy(&self, _input: &LawInput<f64>, _new_history: &[f64]) -> Option<LawEnergy<f64>> {
-        None
-    }
-    /// As [`ConstitutiveLaw::accept_size`].
-    ///
-    /// # Errors
-    /// Why the width is refused.
-    fn accept_size(&self, _size: f64) -> Result<(), ModelError> {
-        Ok(())
-    }
-}
-
-/// Runs a [`PointLaw`] behind the socket of a [`ConstitutiveLaw`].
-#[derive(Clone)]
-pub struct PointAdapter(Arc<dyn PointLaw>);
-
-impl PointAdapter {
-    /// Wraps a law for one point.
-    pub fn new(law: impl PointLaw + 'static) -> Self {
-        Self(Arc::new(law))
-    }
-}
-
-impl core::fmt::Debug for PointAdapter {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "PointAdapter({})", self.0.name())
-    }
-}
-
-impl ConstitutiveLaw for PointAdapter {
-    fn name(&self) -> &str {
-        self.0.name()
-    }
-    fn medium(&self) -> ElasticMedium {
-        self.0.medium()
-    }
-    fn history(&self) -> &[HistoryVariable] {
-        self.0.history()
-    }
-    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
-        let token = input.strain.0[0].token();
-        let count = input.history.len();
-        let mut stress = [[0.0; 6]; MOST_LANES];
-        let mut history = vec![0.0; L::WIDTH * count];
-        assert!(L::WIDTH <= MOST_LANES, "a lane has at most 64 numbers");
-        for lane in 0..L::WIDTH {
-            let new = &mut history[lane * count..(lane + 1) * count];
-            stress[lane] = at_lane(input, lane, |point| self.0.stress_change(point, new)).0;
-        }
-        for (i, value) in new_history.iter_mut().enumerate() {
-            *value = L::build(token, |lane| history[lane * count + i]);
-        }
-        Stress(core::array::from_fn(|i| {
-            L::build(token, |lane| stress[lane][i])
-        }))
-    }
-    fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
-        let token = input.strain.0[0].token();
-        let mut numbers = [[0.0; 4]; MOST_LANES];
-        assert!(L::WIDTH <= MOST_LANES, "a lane has at most 64 numbers");
-        for lane in 0..L::WIDTH {
-            let new: Vec<f64> = new_history.iter().map(|h| h.extract(lane)).collect();
-            let energy = at_lane(input, lane, |point| self.0.energy(point, &new))?;
-            let LawEnergy {
-                stored,
-                plastic,
-                damage,
-                recovered,
-            } = energy;
-            numbers[lane] = [stored, plastic, damage, recovered];
-        }
-        let [stored, plastic, damage, recovered] =
-            core::array::from_fn(|i| L::build(token, |lane| numbers[lane][i]));
-        Some(LawEnergy {
-            stored,
-            plastic,
-            damage,
-            recovered,
-        })
-    }
-    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
-        self.0.accept_size(size)
-    }
-}
-
-/// More than any lane is wide.
-const MOST_LANES: usize = 64;
-
-/// Shows one lane of an input.
-fn at_lane<L: Lane, T>(
-    input: &LawInput<L>,
-    lane: usize,
-    look: impl FnOnce(&LawInput<f64>) -> T,
-) -> T {
-    let old: Vec<f64> = input.history.iter().map(|h| h.extract(lane)).collect();
-    look(&LawInput {
-        strain: Strain(input.strain.0.map(|x| x.extract(lane))),
-        initial: Stress(input.initial.0.map(|x| x.extract(lane))),
-        history: &old,
-        extents: Extents(input.extents.0.map(|x| x.extract(lane))),
-    })
 }

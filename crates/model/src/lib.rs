@@ -29,11 +29,14 @@ mod field;
 mod joint;
 mod lane;
 mod law;
+mod law_input;
 mod load;
 mod medium;
 mod mesh;
 mod nodal;
+mod point_law;
 mod state;
+mod step_time;
 mod tensor;
 
 pub use boundary::{
@@ -44,7 +47,7 @@ pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
 pub use elastic_domain::ElasticDomain;
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
-    LimitingTerm, Numbering, Operator,
+    HistoryUpdate, LimitingTerm, Numbering, Operator,
 };
 pub use engine::{
     Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, MassDampingRule, Observer,
@@ -59,9 +62,10 @@ pub use joint::{
 };
 pub use lane::{Lane, Scalar, array, each};
 pub use law::{
-    ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, LawInput, PointAdapter, PointLaw,
-    RemainingStiffness, point_energy, point_stress_change,
+    ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, RemainingStiffness, point_energy,
+    point_stress_change,
 };
+pub use law_input::{LawInput, PointLocation};
 pub use load::{Constant, NodalLoad, Table, TimeFunction};
 pub use medium::ElasticMedium;
 pub use mesh::{
@@ -69,7 +73,9 @@ pub use mesh::{
     QualityReport, Split,
 };
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
+pub use point_law::{PointAdapter, PointLaw};
 pub use state::{Cast, HistoryField, State};
+pub use step_time::StepTime;
 pub use tensor::{Principal, Strain, Stress};
 
 /// A vector in space: position (m), displacement (m), velocity (m/s) or force (N).

@@ -12,7 +12,6 @@ use serde::Deserialize;
 
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::format::{self, At, Finite, Positive};
-use crate::part::OneByOne;
 use crate::{Error, Material, Registry};
 
 /// Steps of a leg that names none.
@@ -213,7 +212,7 @@ impl PointPath {
             .file
             .initial_stress
             .map_or([0.0; 6], |s| s.map(Finite::get));
-        let law = PointAdapter::new(OneByOne(material.clone()));
+        let law = PointAdapter::new(material.law().clone());
         let point = PointDriver::new(law).with_size(size);
         let point = point.and_then(|point| point.with_initial(Stress(initial)));
         let mut point = point.map_err(powerhouse_model::ModelError::from)?;

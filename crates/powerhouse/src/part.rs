@@ -1,20 +1,20 @@
-//! What an element set is made of: a material and an element kernel.
+//! Parts of a body: element sets with their materials and element kernels.
 
 use std::sync::Arc;
 
-use powerhouse_explicit_core::{BlockFactory, BlockOptions, SolidKernel, solid};
+use powerhouse_explicit_core::{AnyLaw, BlockFactory, BlockOptions, SolidKernel, solid};
 use powerhouse_material_damage::{
     ElasticInSeries, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum,
 };
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind, HistoryVariable, LawEnergy,
-    LawInput, ModelError, ParameterError, PointAdapter, PointLaw, Stress, point_energy,
-    point_stress_change,
+    ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind, HistoryVariable, ModelError,
+    ParameterError, PointAdapter, PointLaw,
 };
 
 use crate::{Damping, Error};
 
-/// A constitutive law of any type, so that a model can be composed at run time.
+/// Material: a constitutive law of any type, with warnings about its parameters and, if its law permits it,
+/// its form with flat damping.
 ///
 /// ```
 /// use powerhouse::Material;
@@ -24,38 +24,39 @@ use crate::{Damping, Error};
 /// ```
 #[derive(Clone)]
 pub struct Material {
-    law: Arc<dyn ErasedMaterial>,
+    law: AnyLaw,
     doubts: Arc<[String]>,
-    /// None if damping cannot stand in series with the law.
+    /// None if damping in series with the law is not possible.
     damped: Option<Arc<Damped>>,
 }
 
-/// The same material with damping in series.
+/// Function that makes the material with damping in series.
 type Damped = dyn Fn(RelaxationSpectrum, ReferenceFrequency) -> Result<Material, ParameterError>
     + Send
     + Sync;
 
 impl Material {
-    /// A material that follows a law of any type. The laws of the software are materials already,
-    /// `Material::from(law)`: such a program is compiled sooner, and flat damping can stand in series
-    /// with them.
+    /// A material with a law of any type, without flat damping.
+    ///
+    /// For the laws of the software use `Material::from(law)`: such a program compiles faster, and flat damping
+    /// is possible.
     pub fn new(law: impl ConstitutiveLaw) -> Self {
         Self {
-            law: Arc::new(law),
+            law: AnyLaw::new(law),
             doubts: Arc::new([]),
             damped: None,
         }
     }
-    /// A material that follows a law of which the elastic part is known, so that damping can stand
-    /// in series with it ([`Damping::Flat`]).
+    /// A material with a law of which the elastic part is known, so that flat damping in series with it is
+    /// possible ([`Damping::Flat`]).
     pub fn in_series<M: ElasticInSeries>(law: M) -> Self {
         let undamped = law.clone();
         let damped = move |spectrum, reference| {
             let damped = FlatDamping::new(undamped.clone(), spectrum, reference)?;
             Ok(Self::new(damped))
         };
-        // Laws are large; those that are compiled for damping serve without it too. What is linear
-        // without damping is better off as it is.
+        // A law is compiled once, in its form with damping, which also serves without damping; linear laws are
+        // faster in their own form.
         let bare = if const { M::LINEAR } {
             Self::new(law)
         } else {
@@ -66,30 +67,34 @@ impl Material {
             ..bare
         }
     }
-    /// The same with what a user should know of its parameters, such as
-    /// [`MohrCoulomb::findings`](powerhouse_material_damage::MohrCoulomb::findings): checks and
-    /// runs warn of it.
+    /// The same material with warnings about its parameters, such as
+    /// [`MohrCoulomb::findings`](powerhouse_material_damage::MohrCoulomb::findings), which checks and runs
+    /// report.
     #[must_use]
     pub fn with_doubts(mut self, doubts: impl IntoIterator<Item: ToString>) -> Self {
         self.doubts = doubts.into_iter().map(|doubt| doubt.to_string()).collect();
         self
     }
-    /// What a user should know of its parameters.
+    /// Warnings about the parameters of the material.
     pub fn doubts(&self) -> &[String] {
         &self.doubts
     }
-    /// Accepts or refuses elements of a width (m).
+    /// Checks a width of an element (m) by the law, [`ConstitutiveLaw::accept_size`].
     ///
     /// # Errors
-    /// Why, with the widths that are permitted.
+    /// The reason of a refusal, with the permitted widths.
     pub fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         self.law.accept_size(size)
+    }
+    /// The constitutive law, for blocks of elements that are built without a scene.
+    pub fn law(&self) -> &AnyLaw {
+        &self.law
     }
     /// The history variables of the law.
     pub fn history(&self) -> &[HistoryVariable] {
         self.law.history()
     }
-    /// A material that follows a law for one point: simpler to write, slower to run.
+    /// A material with a law for one integration point: simpler to write, slower to run.
     pub fn from_point_law(law: impl PointLaw + 'static) -> Self {
         Self::new(PointAdapter::new(law))
     }
@@ -101,16 +106,16 @@ impl Material {
     pub fn medium(&self) -> ElasticMedium {
         self.law.medium()
     }
-    /// The undamaged material as it is where nothing yields.
+    /// Linear elastic material of the undamaged medium.
     pub(crate) fn elastic(&self) -> Self {
         Self::new(LinearElastic::new(self.medium()))
     }
-    /// Whether stress is linear in strain, without history.
+    /// Whether the law is linear elastic, without history variables.
     pub fn is_linear(&self) -> bool {
         self.law.is_linear()
     }
-    /// The same with damping in series, as [`Damping::Flat`] has it; none if damping cannot stand in
-    /// series with the law.
+    /// The same material with damping in series, for [`Damping::Flat`]; none if damping in series with the law is
+    /// not possible.
     ///
     /// # Errors
     /// A reference frequency that is not positive.
@@ -132,81 +137,7 @@ impl core::fmt::Debug for Material {
     }
 }
 
-/// A law with its type erased.
-trait ErasedMaterial: Send + Sync {
-    fn name(&self) -> &str;
-    fn medium(&self) -> ElasticMedium;
-    fn is_linear(&self) -> bool;
-    fn history(&self) -> &[HistoryVariable];
-    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
-    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>>;
-    fn accept_size(&self, size: f64) -> Result<(), ModelError>;
-    /// Blocks by a kernel that this law was compiled with.
-    fn blocks(
-        &self,
-        kernel: SolidKernel,
-        set: &str,
-        options: BlockOptions,
-    ) -> Box<dyn BlockFactory>;
-}
-
-impl<T: ConstitutiveLaw> ErasedMaterial for T {
-    fn name(&self) -> &str {
-        ConstitutiveLaw::name(self)
-    }
-    fn medium(&self) -> ElasticMedium {
-        ConstitutiveLaw::medium(self)
-    }
-    fn is_linear(&self) -> bool {
-        ConstitutiveLaw::is_linear(self)
-    }
-    fn history(&self) -> &[HistoryVariable] {
-        ConstitutiveLaw::history(self)
-    }
-    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
-        point_stress_change(self, input, new_history)
-    }
-    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
-        point_energy(self, input, new_history)
-    }
-    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
-        ConstitutiveLaw::accept_size(self, size)
-    }
-    fn blocks(
-        &self,
-        kernel: SolidKernel,
-        set: &str,
-        options: BlockOptions,
-    ) -> Box<dyn BlockFactory> {
-        kernel.factory(set, self.clone(), options)
-    }
-}
-
-/// Any law as a law for one point: for kernels that it was not compiled with, and for drivers.
-pub(crate) struct OneByOne(pub(crate) Material);
-
-impl PointLaw for OneByOne {
-    fn name(&self) -> &str {
-        self.0.name()
-    }
-    fn medium(&self) -> ElasticMedium {
-        self.0.medium()
-    }
-    fn history(&self) -> &[HistoryVariable] {
-        self.0.law.history()
-    }
-    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
-        self.0.law.stress_change(input, new_history)
-    }
-    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
-        self.0.law.energy(input, new_history)
-    }
-    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
-        self.0.law.accept_size(size)
-    }
-}
-
-/// An element kernel: one that comes with the software, or a user's own.
+/// Element kernel of a part: one of the software, or a user's own.
 #[derive(Clone)]
 pub struct Kernel(AnyKernel);
 
@@ -223,34 +154,33 @@ impl From<SolidKernel> for Kernel {
 }
 
 impl Kernel {
-    /// A kernel of one's own. It runs every material one point at a time, slower than a kernel
-    /// that comes with the software.
+    /// A kernel of one's own; it evaluates every material in lanes, as the kernels of the software do.
     pub fn own<const N: usize, const P: usize>(kernel: impl ElementKernel<N, P>) -> Self {
         Self(AnyKernel::Own(Arc::new(Own::<_, N, P>(kernel))))
     }
-    /// The kernel's name.
+    /// Name of the kernel.
     pub fn name(&self) -> &str {
         match &self.0 {
             AnyKernel::Solid(kernel) => kernel.name(),
             AnyKernel::Own(kernel) => kernel.name(),
         }
     }
-    /// The kind of element that it takes.
+    /// Kind of elements that the kernel computes.
     pub fn kind(&self) -> ElementKind {
         match &self.0 {
             AnyKernel::Solid(kernel) => kernel.kind(),
             AnyKernel::Own(kernel) => kernel.kind(),
         }
     }
-    /// How many integration points an element has.
+    /// Number of integration points of an element.
     pub fn points(&self) -> usize {
         match &self.0 {
             AnyKernel::Solid(kernel) => kernel.points(),
             AnyKernel::Own(kernel) => kernel.points(),
         }
     }
-    /// A factory of blocks of a material for an element set: scenes make theirs of it, models that
-    /// are built without a scene may.
+    /// A factory of blocks of a material for an element set, as scenes use it; also for models that are built
+    /// without a scene.
     pub fn factory(
         &self,
         set: &str,
@@ -258,8 +188,8 @@ impl Kernel {
         options: BlockOptions,
     ) -> Box<dyn BlockFactory> {
         match &self.0 {
-            AnyKernel::Solid(kernel) => material.law.blocks(*kernel, set, options),
-            AnyKernel::Own(kernel) => kernel.blocks(set, material, options),
+            AnyKernel::Solid(kernel) => kernel.factory(set, material.law.clone(), options),
+            AnyKernel::Own(kernel) => kernel.factory(set, material.law.clone(), options),
         }
     }
 }
@@ -270,16 +200,12 @@ impl core::fmt::Debug for Kernel {
     }
 }
 
+/// A user's kernel with its type erased.
 trait OwnKernel: Send + Sync {
     fn name(&self) -> &str;
     fn kind(&self) -> ElementKind;
     fn points(&self) -> usize;
-    fn blocks(
-        &self,
-        set: &str,
-        material: &Material,
-        options: BlockOptions,
-    ) -> Box<dyn BlockFactory>;
+    fn factory(&self, set: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory>;
 }
 
 struct Own<K, const N: usize, const P: usize>(K);
@@ -294,36 +220,31 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> OwnKernel for Own<K
     fn points(&self) -> usize {
         P
     }
-    fn blocks(
-        &self,
-        set: &str,
-        material: &Material,
-        options: BlockOptions,
-    ) -> Box<dyn BlockFactory> {
-        let law = PointAdapter::new(OneByOne(material.clone()));
+    fn factory(&self, set: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory> {
         solid(set, self.0.clone(), law, options)
     }
 }
 
-/// An element set and what it is made of.
+/// Part of a body: an element set with its material, element kernel and damping.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// The element set of the mesh.
+    /// Name of the element set in the mesh.
     pub set: String,
     /// The material.
     pub material: Material,
-    /// The kernel of the elements of its kind; others, and all without one, take the default of
-    /// their kind.
+    /// Kernel of the elements of its kind; others, and all if it is none, have the default kernel of their
+    /// kind.
     pub kernel: Option<Kernel>,
     /// Damping.
     pub damping: Damping,
-    /// How far from the absorbing faces (m) the part is elastic and undamped, as the free field
-    /// behind them is: elements that touch them, and those of which a node is closer. None: nowhere.
+    /// Width (m) of the elastic buffer zone along absorbing faces, where the part is linear elastic and undamped
+    /// as the free field behind them: elements that touch the faces, and those with a node closer than this.
+    /// None: no such zone.
     pub rim: Option<f64>,
 }
 
 impl Part {
-    /// An undamped part with the default kernels.
+    /// An undamped part of an element set and a material, with the default kernels.
     pub fn new(set: impl Into<String>, material: Material) -> Self {
         Self {
             set: set.into(),
@@ -352,7 +273,7 @@ impl Part {
         self.rim = Some(width);
         self
     }
-    /// The material as it moves: damped, if damping stands in series with its law.
+    /// Material in dynamic stages: with flat damping in series, if the part has it.
     ///
     /// # Errors
     /// [`Error::NotInSeries`]; a reference frequency out of range.
@@ -373,7 +294,7 @@ impl Part {
                 })?;
         Ok(damped)
     }
-    /// The part's own kernel, if it is for none of the kinds.
+    /// The part's own kernel, if it computes none of some kinds of elements.
     pub(crate) fn idle_kernel(
         &self,
         mut kinds: impl Iterator<Item = ElementKind>,
@@ -381,7 +302,7 @@ impl Part {
         let kernel = self.kernel.as_ref()?;
         (!kinds.any(|kind| kind == kernel.kind())).then_some(kernel)
     }
-    /// The kernel for a kind of element.
+    /// The kernel for a kind of elements.
     pub(crate) fn kernel_for(&self, kind: ElementKind) -> Option<Kernel> {
         match &self.kernel {
             Some(kernel) if kernel.kind() == kind => Some(kernel.clone()),

@@ -31,10 +31,7 @@ pub fn reduction_layer(mesh: &Mesh, inside: &[u32], part: &Part) -> Result<Reduc
         });
     };
     let numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
-    let numbering = Numbering {
-        engine_of: numbers.clone(),
-        mesh_of: numbers,
-    };
+    let numbering = Numbering::new(numbers.clone(), numbers);
     let nodes = mesh.nodes_of_elements(&elements);
     let factory = kernel.factory(&part.set, &part.material.elastic(), BlockOptions::default());
     let block = factory.build(&BlockPart::new(mesh, &elements, &numbering, &nodes))?;

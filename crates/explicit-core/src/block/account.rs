@@ -1,4 +1,4 @@
-//! Work that no state function gives, booked step by step.
+//! Energy bookkeeping: dissipation and other work that is accumulated step by step.
 
 use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, Quad};
 
@@ -7,30 +7,30 @@ use super::numbers::AlignedNumbers;
 use super::operations::Energy;
 use super::survey::each_lane;
 use super::transfer::NodeScalar;
-use super::{Block, by_place};
+use super::{Block, by_local_index};
 use crate::lanes::{BatchLane, BatchScalar};
 
-/// History variables of a block with which it accounts for damping and its law.
+/// Energy bookkeeping of a block: accumulated energies, and the state at the last step.
 #[derive(Debug)]
 pub(super) struct Account<S> {
-    /// The step that the rest belongs to.
+    /// Number of the last step; none if the next one does not continue it.
     number: Option<u64>,
-    /// Velocity before that step (m/s), by place; empty if there was no damping.
+    /// Velocity of that step (m/s), by local node index; empty if there was no damping.
     velocity: Vec<Quad<f64>>,
     /// Elastic and hourglass energy of that velocity taken as a displacement.
     velocity_energy: f64,
-    /// Stress at that step (Pa) of the batches in its account, for laws that are not linear.
+    /// Stresses at that step (Pa) of the batches with energy bookkeeping, for nonlinear laws.
     stress: AlignedNumbers<S>,
-    /// Which batches are in its account.
+    /// Whether each batch had energy bookkeeping at that step.
     booked: Vec<bool>,
-    /// Whether the law tells what it takes.
-    told: bool,
-    /// The share of stiffness damping at each point of a batch at that step and that of its hourglass
-    /// stiffness, for laws that are not linear.
-    left: AlignedNumbers<S>,
-    /// What the points of these batches held at that step (J).
+    /// Whether the law has energies of its own.
+    has_energies: bool,
+    /// Shares of stiffness damping at each point of a batch, and its share of hourglass stiffness, at that
+    /// step, for nonlinear laws.
+    shares: AlignedNumbers<S>,
+    /// Energy stored in these batches at that step (J).
     stored: f64,
-    /// What the steps took so far (J).
+    /// Energies accumulated so far (J).
     spent: BlockEnergy,
 }
 
@@ -42,8 +42,8 @@ impl<S: BatchScalar> Default for Account<S> {
             velocity_energy: 0.0,
             stress: AlignedNumbers::zeros(0),
             booked: Vec::new(),
-            told: false,
-            left: AlignedNumbers::zeros(0),
+            has_energies: false,
+            shares: AlignedNumbers::zeros(0),
             stored: 0.0,
             spent: BlockEnergy::default(),
         }
@@ -51,114 +51,114 @@ impl<S: BatchScalar> Default for Account<S> {
 }
 
 impl<S: BatchScalar> Account<S> {
-    /// Forgets the last step: what follows does not continue it.
-    pub(super) fn rest(&mut self) {
+    /// Declares that the next step does not continue the last one.
+    pub(super) fn restart(&mut self) {
         self.number = None;
     }
-    /// What the steps took so far (J).
+    /// Energies accumulated so far (J).
     pub(super) fn spent(&self) -> BlockEnergy {
         self.spent
     }
-    /// What is kept of the step before, for so many elements of so many points in so many batches.
-    pub(super) fn of_batches(
+    /// State at the previous step, for a number of elements, points per element, and batches.
+    pub(super) fn previous_step(
         &mut self,
         (elements, points): (usize, usize),
         batches: usize,
-    ) -> Kept<'_, S> {
+    ) -> PreviousStep<'_, S> {
         let numbers = 6 * elements * points;
         if self.stress.as_slice().len() != numbers {
             self.stress = AlignedNumbers::zeros(numbers);
-            self.left = AlignedNumbers::zeros(elements * (points + 1));
+            self.shares = AlignedNumbers::zeros(elements * (points + 1));
             self.booked = vec![false; batches];
             self.number = None;
         }
-        Kept {
+        PreviousStep {
             stresses: self.stress.as_mut_slice(),
-            left: self.left.as_mut_slice(),
+            shares: self.shares.as_mut_slice(),
             booked: &mut self.booked,
             velocity: &self.velocity,
         }
     }
 }
 
-/// What an account keeps of the step before.
-pub(super) struct Kept<'a, S> {
-    /// Stresses, six numbers per point, of the batches that were in its account; those of this step
-    /// afterwards.
+/// State of the batches at the previous step, replaced by that of the present one.
+pub(super) struct PreviousStep<'a, S> {
+    /// Stresses, six numbers per point, of the batches with energy bookkeeping.
     pub(super) stresses: &'a mut [S],
-    /// Shares of stiffness damping, one per point, and of hourglass stiffness, likewise.
-    pub(super) left: &'a mut [S],
-    /// Which batches were in its account; which are in this one afterwards.
+    /// Shares of stiffness damping, one per point, and of hourglass stiffness, one per batch, in lanes.
+    pub(super) shares: &'a mut [S],
+    /// Whether each batch had energy bookkeeping.
     pub(super) booked: &'a mut [bool],
-    /// The velocity of the step before (m/s), by place; empty if there was no damping.
+    /// Velocity (m/s), by local node index; empty if there was no damping.
     pub(super) velocity: &'a [Quad<f64>],
 }
 
-/// What the elements in the account of a block did in a step (J).
+/// Energies of the elements with energy bookkeeping in one step (J).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct StepSums {
     /// Work of the stresses.
     work: f64,
-    /// Held at the end of the step.
+    /// Stored energy at the end of the step.
     stored: f64,
-    /// Held at its start by those that came into the account in it, and at its end by those that left.
+    /// Stored energy at the start of the step of batches whose bookkeeping begins in it.
     entered: f64,
+    /// Stored energy at the end of the step of batches whose bookkeeping ends in it.
     left: f64,
     plastic: f64,
     damage: f64,
     recovered: f64,
-    /// Taken by stiffness damping.
+    /// Dissipation by stiffness damping.
     damping: f64,
-    /// Held by hourglass resistance that fell.
-    resisted: f64,
-    /// Whether the law told what it took.
-    told: bool,
+    /// Hourglass energy lost with hourglass stiffness.
+    hourglass_loss: f64,
+    /// Whether the law has energies of its own.
+    has_energies: bool,
 }
 
 impl StepSums {
-    /// Notes what a batch held when it came into the account.
+    /// Begins the bookkeeping of a batch with its stored energy.
     #[inline(always)]
     pub(super) fn enter<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
         &mut self,
-        held: L,
+        stored: L,
         batch: &Batch<S, N>,
     ) {
-        each_lane(held, batch, |_, held| self.entered += held);
+        each_lane(stored, batch, |_, stored| self.entered += stored);
     }
 
-    /// Adds what stiffness damping took of a batch.
+    /// Adds the dissipation of a batch by stiffness damping.
     #[inline(always)]
     pub(super) fn damp<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
         &mut self,
-        taken: L,
+        dissipated: L,
         batch: &Batch<S, N>,
     ) {
-        each_lane(taken, batch, |_, taken| self.damping += taken);
+        each_lane(dissipated, batch, |_, energy| self.damping += energy);
     }
 
-    /// Adds what a batch held by hourglass resistance that fell in the step.
+    /// Adds the hourglass energy that a batch lost with its hourglass stiffness in the step.
     #[inline(always)]
     pub(super) fn release<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
         &mut self,
-        held: L,
+        lost: L,
         batch: &Batch<S, N>,
     ) {
-        each_lane(held, batch, |_, held| self.resisted += held);
+        each_lane(lost, batch, |_, lost| self.hourglass_loss += lost);
     }
 
-    /// Adds the last step of a batch that leaves the account, with what it holds after it.
+    /// Ends the bookkeeping of a batch with the work of the step and its stored energy after it.
     #[inline(always)]
     pub(super) fn leave<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
         &mut self,
         work: L,
-        held: L,
+        stored: L,
         batch: &Batch<S, N>,
     ) {
         each_lane(work, batch, |_, work| self.work += work);
-        each_lane(held, batch, |_, held| self.left += held);
+        each_lane(stored, batch, |_, stored| self.left += stored);
     }
 
-    /// Adds a batch, element after element, whatever its width.
+    /// Adds the work and the energies of a batch, element after element, for any width.
     #[inline(always)]
     pub(super) fn add<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
         &mut self,
@@ -167,7 +167,7 @@ impl StepSums {
         batch: &Batch<S, N>,
     ) {
         let sum = &energy.sum;
-        self.told = energy.told;
+        self.has_energies = energy.of_law;
         each_lane(work, batch, |_, work| self.work += work);
         each_lane(sum.stored, batch, |_, stored| self.stored += stored);
         let spent = sum.plastic + sum.damage + sum.recovered;
@@ -185,16 +185,16 @@ where
     K: ElementKernel<N, P>,
     S: NodeScalar,
 {
-    /// Accounts for the work of the step that ends at the context.
+    /// Accumulates the energies of the step that ends at the context.
     ///
-    /// With the velocity `v` of that step, `v_0` of the step before and the elastic form
-    /// `a(x, y) = x . K y`, damping takes `1/2 (a(v_0, v) + a(v, v)) beta dt`. With `E(x) =
-    /// a(x, x) / 2`, summed element by element, `a(v_0, v) = E(v_0) + E(v) - E(v - v_0)`. Of a law that is
-    /// not linear the elements tell what it takes, with what is left of their stiffness.
+    /// With the velocity `v` of that step, `v_0` of the previous step and the elastic form
+    /// `a(x, y) = x . K y`, stiffness damping dissipates `1/2 (a(v_0, v) + a(v, v)) beta dt`. With
+    /// `E(x) = a(x, x) / 2`, summed element by element, `a(v_0, v) = E(v_0) + E(v) - E(v - v_0)`. For nonlinear
+    /// laws the sum comes from the elements, with their remaining stiffness.
     ///
-    /// The stresses of other laws do the work `1/2 (sigma_0 + sigma_1) : de V` on the strain
-    /// increment. What a law does not account for is booked apart; of laws that tell nothing it
-    /// counts as plastic.
+    /// The stresses of nonlinear laws do the work `1/2 (sigma_0 + sigma_1) : de V` on the strain increment.
+    /// Work beyond the energies of the law is accumulated apart; for laws without energies it counts as
+    /// plastic.
     pub(super) fn book_step(&mut self, context: &BlockContext, sums: &StepSums) {
         let damping = self.coefficient(context);
         if self.is_linear() && damping == 0.0 {
@@ -204,7 +204,7 @@ where
         let follows = context.number > 0 && account.number == Some(context.number - 1);
 
         if damping != 0.0 {
-            let velocity = by_place(&self.nodes.numbers, context.velocity);
+            let velocity = by_local_index(&self.nodes.numbers, context.velocity);
             let continues = follows && account.velocity.len() == velocity.len();
             let mut energy = 0.0;
             if self.is_linear() {
@@ -228,19 +228,19 @@ where
         }
 
         if !self.is_linear() {
-            account.told |= sums.told;
+            account.has_energies |= sums.has_energies;
             if follows {
                 let spent = &mut account.spent;
                 spent.plastic += sums.plastic;
                 spent.damage += sums.damage;
                 spent.recovery -= sums.recovered;
-                spent.hourglass += sums.resisted;
+                spent.hourglass += sums.hourglass_loss;
                 let gained = sums.stored + sums.left - sums.entered - account.stored;
-                let told = gained + sums.plastic + sums.damage - sums.recovered;
-                let rest = sums.work - told;
-                if account.told && self.law.relaxes() {
+                let of_law = gained + sums.plastic + sums.damage - sums.recovered;
+                let rest = sums.work - of_law;
+                if account.has_energies && self.law.relaxes() {
                     spent.relaxation += rest;
-                } else if account.told {
+                } else if account.has_energies {
                     spent.integration += rest;
                 } else {
                     spent.plastic += rest;

@@ -1,52 +1,52 @@
 //! The elements of a block, batch by batch.
 
-use super::memory::{Cache, Places, prefetch};
+use super::memory::{Cache, Connectivity, prefetch};
 use crate::lanes::{Arrangement, BatchScalar};
 
-/// How many batches ahead of their use numbers are asked for.
+/// Number of batches ahead of their use at which geometry is prefetched.
 const AHEAD: usize = 2;
 
-/// The elements of a block.
+/// Elements of a block as a sequence of batches.
 #[derive(Clone, Copy)]
 pub(super) struct Batches<'a, S, const N: usize> {
-    /// How many elements; the rest of the last batch repeats the last element.
+    /// Number of elements; the last batch is filled with copies of the last element.
     pub(super) elements: usize,
-    /// Places of their nodes in the block, whole batches.
-    pub(super) places: &'a Places<N>,
-    /// Which elements take part; all if `None`.
+    /// Local node indices of the elements, whole batches.
+    pub(super) connectivity: &'a Connectivity<N>,
+    /// Which elements are active; all if `None`.
     pub(super) active: Option<&'a [bool]>,
-    /// Geometry numbers of whole batches, or of one if all elements are alike.
+    /// Geometry numbers of whole batches, or of one batch if all elements are alike.
     pub(super) geometry: &'a [S],
-    /// Where elements sit.
+    /// Lanes of the elements of a batch.
     pub(super) arrangement: Arrangement,
 }
 
-/// One batch.
+/// One batch of elements.
 #[derive(Clone, Copy)]
 pub(super) struct Batch<'a, S, const N: usize> {
-    /// Number of its first element in the block.
+    /// Index of its first element in the block.
     pub(super) first: usize,
-    /// How many elements it holds.
+    /// Number of its elements.
     pub(super) count: usize,
-    /// Places of the nodes.
-    pub(super) places: &'a [[u32; N]],
-    /// Which elements take part.
+    /// Local node indices of the elements.
+    pub(super) connectivity: &'a [[u32; N]],
+    /// Which elements are active.
     pub(super) active: Option<&'a [bool]>,
     /// Geometry numbers.
     pub(super) geometry: &'a [S],
-    /// Geometry numbers from some batches further on.
+    /// Geometry numbers of a later batch, to be prefetched.
     ahead: &'a [S],
-    /// Where elements sit.
+    /// Lanes of the elements of a batch.
     pub(super) arrangement: Arrangement,
 }
 
 impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
-    /// How many batches of a width.
+    /// Number of batches of a width.
     #[inline(always)]
     pub(super) fn count(&self, width: usize) -> usize {
         self.elements.div_ceil(width)
     }
-    /// One batch of a width, with so many geometry numbers per element.
+    /// One batch of a width, with a number of geometry numbers per element.
     #[inline(always)]
     pub(super) fn batch(&self, index: usize, width: usize, numbers: usize) -> Batch<'a, S, N> {
         let first = index * width;
@@ -54,7 +54,7 @@ impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
         let numbers = numbers * width;
         prefetch(
             Cache::Nearest,
-            self.places.as_slice(),
+            self.connectivity.as_slice(),
             first + AHEAD * width,
             width,
         );
@@ -66,7 +66,7 @@ impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
         Batch {
             first,
             count,
-            places: &self.places.as_slice()[first..][..width],
+            connectivity: &self.connectivity.as_slice()[first..][..width],
             active: self.active.map(|active| &active[first..][..count]),
             geometry,
             ahead: self
@@ -79,21 +79,21 @@ impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
 }
 
 impl<S, const N: usize> Batch<'_, S, N> {
-    /// Asks for a share of the geometry of a later batch: all at once would leave no room for the
-    /// reads of the present one.
+    /// Prefetches a share of the geometry of a later batch: all of it at once would delay the reads of the
+    /// present one.
     #[inline(always)]
-    pub(super) fn ask_ahead(&self, share: usize, of: usize) {
+    pub(super) fn prefetch(&self, share: usize, of: usize) {
         if !self.ahead.is_empty() {
             let count = self.geometry.len() / of;
             prefetch(Cache::Nearest, self.ahead, share * count, count);
         }
     }
-    /// Whether all elements of a batch of a width exist and take part.
+    /// Whether all elements of a batch of a width exist and are active.
     #[inline(always)]
     pub(super) fn is_whole(&self, width: usize) -> bool {
         self.count == width && self.active.is_none()
     }
-    /// Whether element `j` of the batch exists and takes part.
+    /// Whether element `j` of the batch exists and is active.
     #[inline(always)]
     pub(super) fn has(&self, j: usize) -> bool {
         j < self.count && self.active.is_none_or(|active| active[j])

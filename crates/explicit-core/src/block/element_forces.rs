@@ -1,4 +1,4 @@
-//! The forces of single elements, as observers see them.
+//! Internal forces of single elements, for section forces.
 
 use powerhouse_model::{ElementKernel, Geometry, NodalView, Stress, Vec3};
 
@@ -10,8 +10,8 @@ where
     K: ElementKernel<N, P>,
     S: NodeScalar,
 {
-    /// Writes the nodal forces of an element at a displacement, under the committed history and on top of
-    /// an initial stress; computed in double precision.
+    /// Writes the internal nodal forces of an element at a displacement, from the committed history variables
+    /// and an initial stress; computed in double precision.
     pub(super) fn write_forces_of(
         &self,
         element: usize,
@@ -26,16 +26,16 @@ where
         let mut numbers = vec![0.0; self.kernel.geometry_len()];
         self.geometry_of(element, &mut numbers);
         let geometry = Geometry::<f64>::new((), &numbers);
-        let nodal = self.places.as_slice()[element].map(|place| {
-            let node = self.nodes.numbers[place as usize];
+        let nodal = self.connectivity.as_slice()[element].map(|local| {
+            let node = self.nodes.numbers[local as usize];
             let now = displacement.vector(node as usize);
             let from = self.reference.as_ref();
-            let from = from.map_or(Vec3::zeros(), |from| from[place as usize].to_vector());
+            let from = from.map_or(Vec3::zeros(), |from| from[local as usize].to_vector());
             (now - from).into()
         });
         let modes = self.kernel.modes(&nodal);
         let strains = self.kernel.strains(geometry, &modes);
-        let changes = match self.law.now() {
+        let changes = match self.law.current() {
             Some(law) => self.at_points(element, &strains, |input, new| {
                 law.stress_change(input, new)
             }),
@@ -43,8 +43,8 @@ where
                 .map(|strain| Stress::elastic(self.moduli.lambda, self.moduli.shear, &strain)),
         };
         let stresses = changes.map(|change| *initial + change);
-        let modulus = match self.law.now() {
-            Some(law) => self.resistance(law, element, &strains),
+        let modulus = match self.law.current() {
+            Some(law) => self.hourglass_modulus(law, element, &strains),
             None => self.moduli.hourglass,
         };
         let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);

@@ -1,4 +1,4 @@
-//! What passes between kernel and law.
+//! Buffers between kernels and laws.
 
 use core::ops::Range;
 
@@ -8,33 +8,42 @@ use super::memory::{as_lanes, as_lanes_mut};
 use super::numbers::AlignedNumbers;
 use crate::lanes::{BatchLane, BatchScalar};
 
-/// Points of successive batches that a law is asked for at once. Asking costs something, and histories
-/// that are read and written in long rows come sooner: with flat damping by three mechanisms a step of
-/// 110,592 elements takes 58 ns per element where 4 are asked for at once and 52 where 32 are, in mixed
-/// precision 47 and 41.
+/// Number of integration points of successive batches for which a law is evaluated in one call.
+///
+/// A call has a cost, and history variables that are read and written in long rows arrive sooner: with flat
+/// damping by three mechanisms a step of 110,592 elements takes 58 ns per element with 4 points per call
+/// and 52 with 32, in mixed precision 47 and 41.
 const POINTS: usize = 32;
 
-/// Deformation of successive batches, kept until the law is asked, and its answers: in lanes, batch by
-/// batch and point by point.
+/// Buffers of the strains of successive batches, and of the stresses and energies of their law, in lanes,
+/// batch by batch and point by point.
 #[derive(Debug, Default)]
 pub(super) struct Exchange<S> {
-    /// Three modes of each node.
+    /// Three modal displacements of each node.
     modes: AlignedNumbers<S>,
-    /// Six per point.
+    /// Six strains per point.
     strains: AlignedNumbers<S>,
-    /// Six per point (Pa).
+    /// Six stresses per point (Pa).
     stresses: AlignedNumbers<S>,
-    /// Four per point (J/m3).
+    /// Four energies per point (J/m3).
     energies: AlignedNumbers<S>,
-    /// [`REMAINING`] per point.
+    /// [`REMAINING`] numbers of the remaining stiffness per point.
     remaining: AlignedNumbers<S>,
 }
 
-/// Numbers of a [`RemainingStiffness`], in its order.
+/// Buffers of a number of integration points: strains as input of a law, the others as its output.
+pub(super) struct PointBuffers<'a, S> {
+    pub(super) strains: &'a [S],
+    pub(super) stresses: &'a mut [S],
+    pub(super) energies: &'a mut [S],
+    pub(super) remaining: &'a mut [S],
+}
+
+/// Number of the numbers of a [`RemainingStiffness`], in its order.
 pub(super) const REMAINING: usize = 8;
 
 impl<S: BatchScalar> Exchange<S> {
-    /// Makes room for batches with so many nodes and points per element; yields for how many.
+    /// Makes room for batches with a number of nodes and points per element; returns the number of batches.
     #[inline(always)]
     pub(super) fn prepare(&mut self, nodes: usize, points: usize, width: usize) -> usize {
         let batches = (POINTS / points).max(1);
@@ -45,125 +54,106 @@ impl<S: BatchScalar> Exchange<S> {
         self.remaining.grow(REMAINING * points * batches * width);
         batches
     }
-    /// Keeps modes and strains of a batch.
+    /// Stores modal displacements and strains of a batch.
     #[inline(always)]
-    pub(super) fn keep<L: BatchLane<Scalar = S>, const N: usize, const P: usize>(
+    pub(super) fn store<L: BatchLane<Scalar = S>, const N: usize, const P: usize>(
         &mut self,
         token: L::Token,
-        place: usize,
+        batch: usize,
         modes: &[[L; 3]; N],
         strains: &[Strain<L>; P],
     ) {
-        let range = numbers_of(place, 3 * N * L::WIDTH);
-        let kept = as_lanes_mut::<L>(token, &mut self.modes.as_mut_slice()[range]);
-        for (kept, modes) in kept.as_chunks_mut().0.iter_mut().zip(modes) {
-            *kept = *modes;
+        let range = numbers_of(batch, 3 * N * L::WIDTH);
+        let stored = as_lanes_mut::<L>(token, &mut self.modes.as_mut_slice()[range]);
+        for (stored, modes) in stored.as_chunks_mut().0.iter_mut().zip(modes) {
+            *stored = *modes;
         }
-        let range = numbers_of(place, 6 * P * L::WIDTH);
-        let kept = as_lanes_mut::<L>(token, &mut self.strains.as_mut_slice()[range]);
-        for (kept, strain) in kept.as_chunks_mut().0.iter_mut().zip(strains) {
-            *kept = strain.0;
+        let range = numbers_of(batch, 6 * P * L::WIDTH);
+        let stored = as_lanes_mut::<L>(token, &mut self.strains.as_mut_slice()[range]);
+        for (stored, strain) in stored.as_chunks_mut().0.iter_mut().zip(strains) {
+            *stored = strain.0;
         }
     }
-    /// The modes of a batch.
+    /// Modal displacements of a batch.
     #[inline(always)]
     pub(super) fn modes<L: BatchLane<Scalar = S>, const N: usize>(
         &self,
         token: L::Token,
-        place: usize,
+        batch: usize,
     ) -> [[L; 3]; N] {
         let mut modes = [[L::splat(token, 0.0); 3]; N];
-        let range = numbers_of(place, 3 * N * L::WIDTH);
-        let kept = as_lanes::<L>(token, &self.modes.as_slice()[range]);
-        for (modes, kept) in modes.iter_mut().zip(kept.as_chunks().0) {
-            *modes = *kept;
+        let range = numbers_of(batch, 3 * N * L::WIDTH);
+        let stored = as_lanes::<L>(token, &self.modes.as_slice()[range]);
+        for (modes, stored) in modes.iter_mut().zip(stored.as_chunks().0) {
+            *modes = *stored;
         }
         modes
     }
-    /// Strains of some points, and where stresses, energies and what is left of the stiffness go.
-    pub(super) fn of_points(
-        &mut self,
-        points: usize,
-        width: usize,
-    ) -> (&[S], &mut [S], &mut [S], &mut [S]) {
-        (
-            &self.strains.as_slice()[..6 * points * width],
-            &mut self.stresses.as_mut_slice()[..6 * points * width],
-            &mut self.energies.as_mut_slice()[..4 * points * width],
-            &mut self.remaining.as_mut_slice()[..REMAINING * points * width],
-        )
+    /// The buffers of a number of points.
+    pub(super) fn of_points(&mut self, points: usize, width: usize) -> PointBuffers<'_, S> {
+        PointBuffers {
+            strains: &self.strains.as_slice()[..6 * points * width],
+            stresses: &mut self.stresses.as_mut_slice()[..6 * points * width],
+            energies: &mut self.energies.as_mut_slice()[..4 * points * width],
+            remaining: &mut self.remaining.as_mut_slice()[..REMAINING * points * width],
+        }
     }
-    /// What is left of the stiffness at the points of a batch; of what was not asked for nothing is said.
+    /// Remaining stiffness at the points of a batch; numbers that were not required are arbitrary.
     #[inline(always)]
     pub(super) fn remaining<L: BatchLane<Scalar = S>, const P: usize>(
         &self,
         token: L::Token,
-        place: usize,
+        batch: usize,
     ) -> [RemainingStiffness<L>; P] {
-        let one = L::splat(token, 1.0);
-        let mut remaining = [RemainingStiffness {
-            undamaged: one,
-            of_path: one,
-            flowed: [one; 6],
-        }; P];
-        let range = numbers_of(place, REMAINING * P * L::WIDTH);
-        let answered = as_lanes::<L>(token, &self.remaining.as_slice()[range]);
-        for (remaining, answered) in remaining
-            .iter_mut()
-            .zip(answered.as_chunks::<REMAINING>().0)
-        {
-            remaining.undamaged = answered[0];
-            remaining.of_path = answered[1];
-            remaining.flowed.copy_from_slice(&answered[2..8]);
+        let mut remaining = [RemainingStiffness::whole(L::splat(token, 1.0)); P];
+        let range = numbers_of(batch, REMAINING * P * L::WIDTH);
+        let stored = as_lanes::<L>(token, &self.remaining.as_slice()[range]);
+        for (remaining, stored) in remaining.iter_mut().zip(stored.as_chunks::<REMAINING>().0) {
+            remaining.undamaged = stored[0];
+            remaining.hourglass = stored[1];
+            (remaining.plastic_strain_increment).copy_from_slice(&stored[2..8]);
         }
         remaining
     }
-    /// Stresses at the points of a batch, and their energies if they were told.
+    /// Stresses at the points of a batch, and energies if the law has them.
     #[inline(always)]
-    pub(super) fn answer<L: BatchLane<Scalar = S>, const P: usize>(
+    pub(super) fn response<L: BatchLane<Scalar = S>, const P: usize>(
         &self,
         token: L::Token,
-        place: usize,
-        told: bool,
+        batch: usize,
+        has_energies: bool,
     ) -> ([Stress<L>; P], Option<[LawEnergy<L>; P]>) {
         let zero = L::splat(token, 0.0);
         let mut stresses = [Stress::zero(token); P];
-        let range = numbers_of(place, 6 * P * L::WIDTH);
-        let answered = as_lanes::<L>(token, &self.stresses.as_slice()[range]);
-        for (stress, answered) in stresses.iter_mut().zip(answered.as_chunks().0) {
-            *stress = Stress(*answered);
+        let range = numbers_of(batch, 6 * P * L::WIDTH);
+        let stored = as_lanes::<L>(token, &self.stresses.as_slice()[range]);
+        for (stress, stored) in stresses.iter_mut().zip(stored.as_chunks().0) {
+            *stress = Stress(*stored);
         }
-        if !told {
+        if !has_energies {
             return (stresses, None);
         }
-        let mut energies = [LawEnergy {
-            stored: zero,
-            plastic: zero,
-            damage: zero,
-            recovered: zero,
-        }; P];
-        let range = numbers_of(place, 4 * P * L::WIDTH);
-        let answered = as_lanes::<L>(token, &self.energies.as_slice()[range]);
-        for (energy, answered) in energies.iter_mut().zip(answered.as_chunks().0) {
-            let [stored, plastic, damage, recovered] = *answered;
-            *energy = LawEnergy {
-                stored,
-                plastic,
-                damage,
-                recovered,
-            };
+        let mut energies = [LawEnergy::stored(zero); P];
+        let range = numbers_of(batch, 4 * P * L::WIDTH);
+        let stored = as_lanes::<L>(token, &self.energies.as_slice()[range]);
+        for (energy, numbers) in energies.iter_mut().zip(stored.as_chunks().0) {
+            let [stored, plastic, damage, recovered] = *numbers;
+            *energy = LawEnergy::stored(stored)
+                .with_plastic(plastic)
+                .with_damage(damage)
+                .with_recovered(recovered);
         }
         (stresses, Some(energies))
     }
 }
 
-/// The numbers of a batch, of so many each.
+/// Range of the numbers of a batch, given how many each batch has.
 #[inline(always)]
-fn numbers_of(place: usize, numbers: usize) -> Range<usize> {
-    place * numbers..(place + 1) * numbers
+fn numbers_of(batch: usize, numbers: usize) -> Range<usize> {
+    batch * numbers..(batch + 1) * numbers
 }
 
-/// An exchange in either scalar.
+/// Exchange buffers in both scalar types.
 #[derive(Debug, Default)]
 pub(super) struct Exchanges {
     pub(super) double: Exchange<f64>,

@@ -1,27 +1,28 @@
-//! From element sets to blocks.
+//! Factories of blocks of solid elements.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, ElementBlock, ElementKernel, ElementKind, Extents, Geometry,
-    ModelError, Vec3,
+    ElementBlock, ElementKernel, ElementKind, Extents, Geometry, ModelError, PointLaw, Vec3,
 };
 
 use super::Block;
 use super::account::Account;
+use super::any_law::AnyLaw;
 use super::frequency::HighestSquares;
 use super::history::History;
-use super::law::{AnyLaw, BatchLaw};
+use super::law::BatchLaw;
 use super::law_forms::LawForms;
-use super::memory::Places;
+use super::locations::Locations;
+use super::memory::Connectivity;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
 use super::transfer::{BlockNodes, Locals, NodeScalar};
-use crate::lanes::Lanes;
+use crate::lanes::{Arrangement, Lanes};
 use crate::{BlockFactory, BlockOptions, BlockPart, ElementExtent, EngineError, Precision};
 
-/// A factory of solid blocks from any kernel and any law.
+/// Makes a factory of blocks of solid elements from a label, any kernel, any law and options.
 ///
 /// ```
 /// use powerhouse_explicit_core::{BlockOptions, Hex8OnePoint, solid};
@@ -43,44 +44,23 @@ use crate::{BlockFactory, BlockOptions, BlockPart, ElementExtent, EngineError, P
 /// assert_eq!((rock.label(), rock.kind()), ("rock", ElementKind::Hex8));
 /// # Ok::<(), ParameterError>(())
 /// ```
-pub fn solid<K, M, const N: usize, const P: usize>(
+pub fn solid<K, const N: usize, const P: usize>(
     label: &str,
     kernel: K,
-    law: M,
+    law: impl Into<AnyLaw>,
     options: BlockOptions,
 ) -> Box<dyn BlockFactory>
 where
     K: ElementKernel<N, P>,
-    M: ConstitutiveLaw,
 {
-    erased(label, kernel, Erased::new(law), options)
-}
-
-/// A law with its type erased.
-#[derive(Clone)]
-pub(crate) struct Erased {
-    medium: ElasticMedium,
-    /// None for linear laws, of which the medium says everything.
-    law: Option<Arc<dyn AnyLaw>>,
-}
-
-impl Erased {
-    pub(crate) fn new<M: ConstitutiveLaw>(law: M) -> Self {
-        let medium = law.medium();
-        let law: Option<Arc<dyn AnyLaw>> = if const { M::LINEAR } {
-            None
-        } else {
-            Some(Arc::new(law))
-        };
-        Self { medium, law }
-    }
+    of_any_law(label, kernel, law.into(), options)
 }
 
 /// A factory of solid blocks; compiled once for each kernel.
-pub(crate) fn erased<K, const N: usize, const P: usize>(
+pub(crate) fn of_any_law<K, const N: usize, const P: usize>(
     label: &str,
     kernel: K,
-    law: Erased,
+    law: AnyLaw,
     options: BlockOptions,
 ) -> Box<dyn BlockFactory>
 where
@@ -97,7 +77,7 @@ where
 struct Solid<K, const N: usize, const P: usize> {
     label: Arc<str>,
     kernel: K,
-    law: Erased,
+    law: AnyLaw,
     options: BlockOptions,
 }
 
@@ -115,7 +95,7 @@ where
         self.options
     }
     fn build(&self, part: &BlockPart) -> Result<Box<dyn ElementBlock>, ModelError> {
-        let law = self.law.law.clone();
+        let law = self.law.in_lanes().cloned();
         let precision = match self.options.precision {
             Precision::Mixed | Precision::F32 if part.double => Precision::F64,
             precision => precision,
@@ -145,7 +125,7 @@ where
         let refused = |error: EngineError| ModelError::refused(self.kernel.name(), error);
         let lanes = Lanes::new(self.options.lanes);
         let arrangement = lanes.arrangement::<S>();
-        let medium = self.law.medium;
+        let medium = self.law.medium();
         let moduli = Moduli {
             lambda: medium.lambda(),
             shear: medium.shear(),
@@ -153,8 +133,8 @@ where
                 .hourglass_modulus(medium.constrained(), medium.shear())
                 .unwrap_or(0.0),
         };
-        let places = self.connect(part, arrangement.width).map_err(refused)?;
-        let padded = places.len();
+        let connectivity = self.connect(part, arrangement.width).map_err(refused)?;
+        let padded = connectivity.len();
         let alike = alike::<N>(part);
 
         let length = self.kernel.geometry_len();
@@ -218,9 +198,13 @@ where
             arrangement,
             elements: part.elements.to_vec(),
             nodes: BlockNodes::new(part.nodes.to_vec()),
-            places: Places::new(places),
+            connectivity: Connectivity::new(connectivity),
             geometry,
             extents,
+            locations: law
+                .as_ref()
+                .filter(|law| law.uses_location())
+                .map(|_| self.locations(part, &arrangement, padded)),
             masses,
             frequencies,
             active: None,
@@ -233,11 +217,33 @@ where
         })
     }
 
-    /// Places of the nodes of each element, whole batches: the last element is repeated.
+    /// Locations of the integration points of all elements, whole batches: the last element is repeated.
+    fn locations<S: NodeScalar>(
+        &self,
+        part: &BlockPart,
+        arrangement: &Arrangement,
+        padded: usize,
+    ) -> Locations<S> {
+        let mut locations = Locations::zeros(padded, P);
+        for element in 0..padded {
+            let mesh_element = part.elements[element.min(part.elements.len() - 1)];
+            let points = self.kernel.point_positions(&corners_of(part, mesh_element));
+            let number = part.mesh.element_tags()[mesh_element as usize];
+            locations.set(
+                arrangement,
+                element,
+                number,
+                &points.map(|point| point.into()),
+            );
+        }
+        locations
+    }
+
+    /// Local node indices of each element, whole batches: the last element is repeated.
     fn connect(&self, part: &BlockPart, width: usize) -> Result<Vec<[u32; N]>, EngineError> {
-        let place_of: HashMap<u32, u32> = part.nodes.iter().copied().zip(0..).collect();
+        let local_of: HashMap<u32, u32> = part.nodes.iter().copied().zip(0..).collect();
         let padded = part.elements.len().next_multiple_of(width);
-        let mut places = Vec::with_capacity(padded);
+        let mut connectivity = Vec::with_capacity(padded);
         for &element in part.elements {
             let tag = part.mesh.element_tags()[element as usize];
             let kind = part.mesh.kind(element);
@@ -250,10 +256,10 @@ where
                 });
             }
             let nodes = part.mesh.nodes_of(element);
-            let mut at = [0; N];
+            let mut local = [0; N];
             for a in 0..N {
                 let number = part.numbering.engine_of[nodes[a] as usize];
-                at[a] = *place_of
+                local[a] = *local_of
                     .get(&number)
                     .ok_or_else(|| EngineError::UnlistedNode {
                         element: tag,
@@ -261,15 +267,15 @@ where
                         node: part.mesh.node_tags()[nodes[a] as usize],
                     })?;
             }
-            places.push(at);
+            connectivity.push(local);
         }
-        if let Some(&last) = places.last() {
-            places.resize(padded, last);
+        if let Some(&last) = connectivity.last() {
+            connectivity.resize(padded, last);
         }
-        Ok(places)
+        Ok(connectivity)
     }
 
-    /// Fails if a node gets no mass.
+    /// Checks that every node has a positive lumped mass.
     fn check_masses(
         &self,
         part: &BlockPart,
@@ -287,7 +293,7 @@ where
         }
     }
 
-    /// Fails if the law refuses the greatest or the least width of an element.
+    /// Checks the greatest and the least width of an element by the law.
     fn check_extents<S>(
         &self,
         part: &BlockPart,
@@ -312,7 +318,7 @@ where
         Ok(())
     }
 
-    /// The element's volume, if every point has one.
+    /// Volume of an element, of which every integration point must have a positive share.
     fn volume(&self, part: &BlockPart, element: u32, geometry: &[f64]) -> Result<f64, EngineError> {
         let volumes = self.kernel.volumes(Geometry::<f64>::new((), geometry));
         match volumes.iter().find(|&&v| !(v > 0.0 && v.is_finite())) {
@@ -326,7 +332,7 @@ where
     }
 }
 
-/// Whether all elements are the first one moved elsewhere, to the rounding of the coordinates.
+/// Whether all elements are translations of the first one, within the rounding of the coordinates.
 fn alike<const N: usize>(part: &BlockPart) -> bool {
     let Some(&first) = part.elements.first() else {
         return false;
@@ -346,7 +352,7 @@ fn alike<const N: usize>(part: &BlockPart) -> bool {
     })
 }
 
-/// What differences of the coordinates of an element may be off by (m).
+/// Rounding error of differences of the coordinates of an element (m).
 pub(crate) fn coordinate_rounding<const N: usize>(corners: &[Vec3; N]) -> f64 {
     let largest = corners.iter().map(|corner| corner.amax());
     4.0 * f64::EPSILON * largest.fold(0.0, f64::max)

@@ -1,20 +1,19 @@
-//! The highest natural frequency of single elements.
+//! Highest natural frequency of single elements.
 
 use powerhouse_model::{ElementKernel, Geometry, Lane, Stress, Vec3};
 
 use super::operations::Moduli;
 use crate::lanes::{BatchLane, BatchOperation, MOST_LANES};
 
-/// What is added to the computed eigenvalue, relative to it: well above its round-off (about
-/// 1e-14), well below what matters.
+/// Relative margin that is added to the computed eigenvalue: well above its round-off error (about 1e-14),
+/// well below any influence on the step.
 const MARGIN: f64 = 1e-9;
 
-/// Squares of the highest angular frequency (1/s2) of each element with its lumped masses.
+/// Computation of the square of the highest angular frequency (1/s2) of each element with its lumped masses.
 ///
-/// Lanczos on `M^-1/2 K M^-1/2` of the kernel as it is, reorthogonalised, to its end: `K` has
-/// rank `3 N - 6` at most, so after that many vectors from its range the tridiagonal matrix holds
-/// every eigenvalue. Its largest is bracketed by bisection with Sturm's sequence and the upper end
-/// is taken.
+/// Lanczos iteration with `M^-1/2 K M^-1/2` of the kernel in use, reorthogonalised and complete: `K` has
+/// rank `3 N - 6` at most, so that after as many vectors of its range the tridiagonal matrix has every
+/// eigenvalue. The largest one is bracketed by bisection with Sturm sequences, and the upper end is used.
 pub(super) struct HighestSquares<'a, K, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) moduli: Moduli,
@@ -68,7 +67,7 @@ where
     }
 }
 
-/// `M^-1/2 K M^-1/2` of a batch.
+/// Mass-scaled stiffness `M^-1/2 K M^-1/2` of a batch of elements.
 struct Operator<'a, K, L: Lane, const N: usize> {
     kernel: &'a K,
     geometry: Geometry<'a, L>,
@@ -107,7 +106,7 @@ impl<K, L: Lane, const N: usize> Operator<'_, K, L, N> {
     }
 }
 
-/// Vectors and coefficients of Lanczos' recurrence.
+/// Vectors and coefficients of the Lanczos recurrence.
 struct Workspace<L, const N: usize> {
     basis: Vec<[[L; 3]; N]>,
     diagonal: Vec<L>,
@@ -137,7 +136,7 @@ fn inner<L: Lane, const N: usize>(x: &[[L; 3]; N], y: &[[L; 3]; N]) -> L {
     sum
 }
 
-/// `x / |x|`, or zero where `|x|` is not above `least`; and `|x|^2`.
+/// Unit vector `x / |x|`, or zero where `|x|` is not above `least`, and `|x|^2`.
 #[inline(always)]
 fn normalised<L: Lane, const N: usize>(x: &[[L; 3]; N], least: L) -> ([[L; 3]; N], L) {
     let zero = x[0][0].constant(0.0);
@@ -166,7 +165,7 @@ fn tridiagonalise<K, L, const N: usize, const P: usize>(
     workspace.basis.clear();
     workspace.diagonal.clear();
     workspace.squares.clear();
-    // Any fixed vector without symmetry will do; the operator takes it into its range.
+    // Any fixed vector without symmetry; the operator maps it into its range.
     let mut start = [[zero; 3]; N];
     let mut state = 0.5;
     for a in 0..N {
@@ -202,7 +201,7 @@ fn tridiagonalise<K, L, const N: usize, const P: usize>(
     }
 }
 
-/// The upper end of a bracket of the largest eigenvalue.
+/// Upper end of a bracket of the largest eigenvalue.
 #[inline(always)]
 fn largest_eigenvalue<L: Lane, const N: usize>(workspace: &Workspace<L, N>) -> L {
     let zero = workspace.zero;
@@ -224,7 +223,7 @@ fn largest_eigenvalue<L: Lane, const N: usize>(workspace: &Workspace<L, N>) -> L
     }
     for _halving in 0..48 {
         let middle = (low + high) * zero.constant(0.5);
-        // All eigenvalues lie below the middle if Sturm's sequence stays negative.
+        // All eigenvalues are below the middle if the Sturm sequence stays negative.
         let mut most = -tiny;
         let mut pivot = -tiny;
         for k in 0..count {

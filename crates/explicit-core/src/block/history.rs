@@ -1,4 +1,4 @@
-//! The history variables of all points of a block: committed ones, and those of the last forces.
+//! History variables of all integration points of a block: committed ones and trial ones of the last forces.
 
 use std::collections::HashMap;
 
@@ -11,20 +11,20 @@ use crate::lanes::{Arrangement, BatchLane, BatchScalar};
 /// Flags of the double-buffered trial and committed history variables of a batch of elements.
 #[derive(Clone, Copy, Debug)]
 struct BatchState {
-    /// Which of the two stores holds the committed history.
+    /// Index of the store, of two, with the committed history.
     side: u8,
-    /// Whether the other store holds another history, that of the last forces.
+    /// Whether the other store has a trial history that differs from the committed one.
     changed: bool,
-    /// Whether the last forces wrote another history over the committed one.
-    moved: bool,
-    /// Whether the committed history is still all zero.
+    /// Whether the last forces overwrote the committed history with another one.
+    overwritten: bool,
+    /// Whether the committed history is all zero (virgin material).
     zero: bool,
-    /// Whether the last commit changed it.
+    /// Whether the last commit changed the committed history.
     active: bool,
 }
 
 impl BatchState {
-    /// The store that holds the committed history, and the other one.
+    /// The store with the committed history, and the other one.
     #[inline(always)]
     fn sides<T>(self, [first, second]: &mut [T; 2]) -> (&T, &mut T) {
         match self.side {
@@ -34,12 +34,12 @@ impl BatchState {
     }
 }
 
-/// History variables, batch by batch.
+/// Double-buffered history variables of a block, batch by batch.
 ///
-/// Most points of most steps stay as they are: a batch whose history has never changed is not read,
-/// one whose history does not change in a step is not written. Committing turns a batch to its
-/// other store and copies nothing. Where nothing but a commit follows, the new history goes where the
-/// committed one is: a step then touches one store instead of two.
+/// Most integration points do not change in most steps: a batch whose history has never changed is not
+/// read, one whose history does not change in a step is not written. A commit exchanges the stores of a
+/// batch and copies nothing. In-place updates overwrite the committed history: a step then touches one
+/// store instead of two.
 #[derive(Debug, Default)]
 pub(super) struct History<S> {
     variables: Vec<HistoryVariable>,
@@ -47,12 +47,12 @@ pub(super) struct History<S> {
     width: usize,
     stores: [AlignedNumbers<S>; 2],
     states: Vec<BatchState>,
-    /// Whether new numbers go over the committed ones.
-    over: bool,
+    /// Whether new history variables overwrite the committed ones.
+    in_place: bool,
 }
 
 impl<S: BatchScalar> History<S> {
-    /// Zeros for some batches of a width, with some points per element.
+    /// All history variables zero, for a number of batches of a width.
     pub(super) fn new(
         variables: &[HistoryVariable],
         points: usize,
@@ -62,7 +62,7 @@ impl<S: BatchScalar> History<S> {
         let state = BatchState {
             side: 0,
             changed: false,
-            moved: false,
+            overwritten: false,
             zero: true,
             active: false,
         };
@@ -72,24 +72,24 @@ impl<S: BatchScalar> History<S> {
             width,
             stores: [(); 2].map(|()| AlignedNumbers::zeros(numbers)),
             states: vec![state; batches],
-            over: false,
+            in_place: false,
         }
     }
 
-    /// Numbers per batch.
+    /// Number of values per batch.
     fn numbers(&self) -> usize {
         self.points * self.variables.len() * self.width
     }
-    /// From now on new numbers go over the committed ones, or beside them.
-    pub(super) fn write_over(&mut self, over: bool) {
-        self.over = over;
+    /// Sets whether new history variables overwrite the committed ones.
+    pub(super) fn set_in_place(&mut self, in_place: bool) {
+        self.in_place = in_place;
     }
-    /// How many variables a point has.
+    /// Number of history variables per integration point.
     #[inline(always)]
     pub(super) fn variables(&self) -> usize {
         self.variables.len()
     }
-    /// The committed numbers of a batch; none if they are all zero.
+    /// Committed history of a batch; none if it is all zero.
     #[inline(always)]
     pub(super) fn committed(&self, batch: usize) -> Option<&[S]> {
         let state = self.states[batch];
@@ -97,7 +97,7 @@ impl<S: BatchScalar> History<S> {
         let store = self.stores[usize::from(state.side)].as_slice();
         (!state.zero).then(|| &store[batch * numbers..][..numbers])
     }
-    /// The numbers of a batch after the last forces; none if they are all zero.
+    /// History of a batch after the last forces; none if it is all zero.
     fn latest(&self, batch: usize) -> Option<&[S]> {
         let state = self.states[batch];
         if !state.changed {
@@ -108,10 +108,9 @@ impl<S: BatchScalar> History<S> {
         Some(&store[batch * numbers..][..numbers])
     }
 
-    /// Asks for the numbers of a batch ahead of their use; and for the place of the next ones, if what
-    /// laws write goes there.
+    /// Prefetches the committed history of a batch, and the store of its trial history if laws write there.
     #[inline(always)]
-    pub(super) fn ask_ahead(&self, batch: usize) {
+    pub(super) fn prefetch(&self, batch: usize) {
         let Some(state) = self.states.get(batch) else {
             return;
         };
@@ -125,7 +124,7 @@ impl<S: BatchScalar> History<S> {
                 numbers,
             );
         }
-        if state.active && !self.over {
+        if state.active && !self.in_place {
             prefetch(
                 Cache::Second,
                 self.stores[1 - side].as_slice(),
@@ -135,42 +134,47 @@ impl<S: BatchScalar> History<S> {
         }
     }
 
-    /// Forgets what the last forces made of a batch.
+    /// Discards the trial history of a batch.
     #[inline(always)]
-    pub(super) fn retry(&mut self, batch: usize) {
+    pub(super) fn discard_trial(&mut self, batch: usize) {
         self.states[batch].changed = false;
     }
-    /// The committed numbers of a batch, none if they are all zero; and the place of the next ones, if that
-    /// is another and its history changed in the last step: it will again, and what laws write need not be
-    /// copied there.
+    /// Committed history of a batch, none if it is all zero, and the store of its trial history, if updates
+    /// are buffered and the history changed in the last step: it probably changes again, and laws can write
+    /// there without a copy.
     #[inline(always)]
-    pub(super) fn both(&mut self, batch: usize) -> (Option<&[S]>, Option<&mut [S]>) {
+    pub(super) fn committed_and_trial(&mut self, batch: usize) -> (Option<&[S]>, Option<&mut [S]>) {
         let state = self.states[batch];
         let numbers = self.numbers();
         let range = batch * numbers..(batch + 1) * numbers;
         let (held, other) = state.sides(&mut self.stores);
         let committed = (!state.zero).then(|| &held.as_slice()[range.clone()]);
-        let next = (state.active && !self.over).then(|| &mut other.as_mut_slice()[range]);
-        (committed, next)
+        let trial = (state.active && !self.in_place).then(|| &mut other.as_mut_slice()[range]);
+        (committed, trial)
     }
-    /// Says that what was written to the place of the next history differs from the committed one.
+    /// Marks the trial history of a batch, already written to its store, as changed.
     #[inline(always)]
-    pub(super) fn took(&mut self, batch: usize) {
+    pub(super) fn mark_changed(&mut self, batch: usize) {
         self.states[batch].changed = true;
     }
-    /// Takes the new history of one point of a batch, point after point, from the first on that differs
-    /// from the committed one.
+    /// Stores the new history of one point of a batch; called point after point from the first one on that
+    /// differs from the committed one.
     #[inline(always)]
-    pub(super) fn take<L: BatchLane<Scalar = S>>(&mut self, batch: usize, point: usize, new: &[L]) {
-        if !(self.over || self.states[batch].changed) {
-            self.begin(batch, point);
+    pub(super) fn store<L: BatchLane<Scalar = S>>(
+        &mut self,
+        batch: usize,
+        point: usize,
+        new: &[L],
+    ) {
+        if !(self.in_place || self.states[batch].changed) {
+            self.open_trial(batch, point);
         }
         let (start, length) = (batch * self.numbers(), new.len() * L::WIDTH);
         let state = &mut self.states[batch];
         let mut side = 1 - state.side;
-        if self.over {
+        if self.in_place {
             // Where the history is zero, so is its store.
-            (state.moved, state.zero) = (true, false);
+            (state.overwritten, state.zero) = (true, false);
             side = state.side;
         }
         let store = &mut self.stores[usize::from(side)];
@@ -179,9 +183,9 @@ impl<S: BatchScalar> History<S> {
             value.store(numbers);
         }
     }
-    /// Opens the other store of a batch with a copy of the committed history of its first points; those
-    /// of the others follow.
-    fn begin(&mut self, batch: usize, points: usize) {
+    /// Begins the trial history of a batch with a copy of the committed history of its first points; the
+    /// other points follow.
+    fn open_trial(&mut self, batch: usize, points: usize) {
         let start = batch * self.numbers();
         let range = start..start + points * self.variables.len() * self.width;
         let state = &mut self.states[batch];
@@ -189,23 +193,23 @@ impl<S: BatchScalar> History<S> {
         let (from, to) = state.sides(&mut self.stores);
         to.as_mut_slice()[range.clone()].copy_from_slice(&from.as_slice()[range]);
     }
-    /// Takes the new history of one lane of a batch back.
-    pub(super) fn take_back(&mut self, batch: usize, lane: usize) {
+    /// Reverts the trial history of one lane of a batch to the committed one.
+    pub(super) fn revert_lane(&mut self, batch: usize, lane: usize) {
         let state = self.states[batch];
         if !state.changed {
             return;
         }
         let numbers = self.numbers();
         let (from, to) = state.sides(&mut self.stores);
-        for place in (batch * numbers + lane..(batch + 1) * numbers).step_by(self.width) {
-            to.as_mut_slice()[place] = from.as_slice()[place];
+        for index in (batch * numbers + lane..(batch + 1) * numbers).step_by(self.width) {
+            to.as_mut_slice()[index] = from.as_slice()[index];
         }
     }
-    /// Makes the history of the last forces the committed one.
+    /// Commits the history of the last forces.
     pub(super) fn commit(&mut self) {
         for state in &mut self.states {
-            state.active = state.changed || state.moved;
-            state.moved = false;
+            state.active = state.changed || state.overwritten;
+            state.overwritten = false;
             if state.changed {
                 state.side = 1 - state.side;
                 state.changed = false;
@@ -214,7 +218,7 @@ impl<S: BatchScalar> History<S> {
         }
     }
 
-    /// A committed number of an element, by point and variable.
+    /// Committed value of an element, by point and variable.
     pub(super) fn value(
         &self,
         arrangement: &Arrangement,
@@ -222,11 +226,11 @@ impl<S: BatchScalar> History<S> {
         (point, variable): (usize, usize),
     ) -> f64 {
         let numbers = self.committed(element / self.width);
-        let place = self.place(arrangement, element, (point, variable));
-        numbers.map_or(0.0, |numbers| numbers[place].to_f64())
+        let index = self.index(arrangement, element, (point, variable));
+        numbers.map_or(0.0, |numbers| numbers[index].to_f64())
     }
-    /// What an element shows of a variable after the last forces.
-    pub(super) fn shown(
+    /// Element value of a variable after the last forces.
+    pub(super) fn element_value(
         &self,
         arrangement: &Arrangement,
         element: usize,
@@ -235,12 +239,12 @@ impl<S: BatchScalar> History<S> {
         let (v, variable) = self.find(variable)?;
         let numbers = self.latest(element / self.width);
         let of_point = |point: usize| {
-            let place = self.place(arrangement, element, (point, v));
-            numbers.map_or(0.0, |numbers| numbers[place].to_f64())
+            let index = self.index(arrangement, element, (point, v));
+            numbers.map_or(0.0, |numbers| numbers[index].to_f64())
         };
         Some(variable.of_element((0..self.points).map(of_point)))
     }
-    /// The committed history of some elements of the mesh, by name.
+    /// Committed history of some elements of the mesh, one field per variable.
     pub(super) fn fields(&self, arrangement: &Arrangement, elements: &[u32]) -> Vec<HistoryField> {
         let variables = self.variables.iter().enumerate();
         let field = |(v, variable): (usize, &HistoryVariable)| HistoryField {
@@ -253,7 +257,7 @@ impl<S: BatchScalar> History<S> {
         };
         variables.map(field).collect()
     }
-    /// Takes over what belongs to some elements of the mesh.
+    /// Sets the committed history of some elements of the mesh from fields.
     pub(super) fn set_fields(
         &mut self,
         arrangement: &Arrangement,
@@ -273,12 +277,12 @@ impl<S: BatchScalar> History<S> {
                 self.states[batch].changed = false;
                 for point in 0..self.points {
                     let value = field.values[row * self.points + point];
-                    let place = self.place(arrangement, element, (point, v));
-                    let place = batch * self.numbers() + place;
+                    let index = self.index(arrangement, element, (point, v));
+                    let index = batch * self.numbers() + index;
                     let state = &mut self.states[batch];
                     state.zero &= value == 0.0;
                     let store = &mut self.stores[usize::from(state.side)];
-                    store.as_mut_slice()[place] = S::from_f64(value);
+                    store.as_mut_slice()[index] = S::from_f64(value);
                 }
             }
         }
@@ -288,14 +292,14 @@ impl<S: BatchScalar> History<S> {
         let mut variables = self.variables.iter().enumerate();
         variables.find(|(_, variable)| variable.name == name)
     }
-    /// Where a number of an element stands among those of its batch.
-    fn place(
+    /// Index of a value of an element among those of its batch.
+    fn index(
         &self,
         arrangement: &Arrangement,
         element: usize,
         (point, variable): (usize, usize),
     ) -> usize {
-        let index = point * self.variables.len() + variable;
-        arrangement.place(element % self.width, index, 0)
+        let number = point * self.variables.len() + variable;
+        arrangement.place(element % self.width, number, 0)
     }
 }

@@ -1,38 +1,39 @@
-//! Laws with their type erased: one call for all points of some batches.
+//! Constitutive laws with their type erased: one call for all integration points of some batches.
 //!
-//! Kernels are compiled once and laws once, instead of every law into every kernel. A call is for
-//! some batches; strains and stresses pass through an [`Exchange`](super::exchange::Exchange).
+//! Kernels are compiled once and laws once, instead of every law into every kernel. A call evaluates a law
+//! for some batches; strains and stresses pass through an [`Exchange`](super::exchange::Exchange).
 
 use std::sync::Arc;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, Extents, HistoryVariable, LawEnergy, LawInput,
-    ModelError, Scalar, Strain, Stress, point_stress_change,
+    ModelError, Scalar, Strain, Stress, point_energy, point_stress_change,
 };
 
 use super::exchange::REMAINING;
 use super::history::History;
+use super::locations::Locations;
 use super::memory::{as_lanes, as_lanes_mut};
 use super::numbers::Aligned;
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes};
 
-/// How many batches ahead of their use histories are asked for.
+/// Number of batches ahead of their use at which histories are prefetched.
 const AHEAD: usize = 4;
 
-/// Histories of up to so many variables stay on the stack at a small price.
+/// Histories of up to so many variables are kept on the stack at a small cost.
 const USUAL_VARIABLES: usize = 24;
-/// Those of up to so many at a larger one: what yields and is damped.
+/// Histories of up to so many variables, as of a plastic law with damping, at a larger one.
 const MANY_VARIABLES: usize = 48;
 
-/// What is done with the history.
-pub(crate) enum Memory<'a, S> {
-    /// The committed one stays the only one.
+/// Access of an evaluation to the history variables of a block.
+pub(crate) enum HistoryAccess<'a, S> {
+    /// Committed history variables are read, new ones are discarded.
     Read(&'a History<S>),
-    /// The new one is kept beside it.
+    /// New history variables are stored as trial state.
     Write(&'a mut History<S>),
 }
 
-impl<S> Memory<'_, S> {
+impl<S> HistoryAccess<'_, S> {
     #[inline(always)]
     pub(super) fn get(&self) -> &History<S> {
         match self {
@@ -42,67 +43,82 @@ impl<S> Memory<'_, S> {
     }
 }
 
-/// What a law is asked for successive batches.
-pub(crate) struct Question<'a, 'm, S> {
-    /// The first batch.
+/// Input and output of the evaluation of a law for successive batches.
+pub(crate) struct Evaluation<'a, 'm, S> {
+    /// Index of the first batch.
     pub(super) first: usize,
-    /// Points of a batch.
+    /// Integration points per element.
     pub(super) points: usize,
     /// Six strains of each point of each batch in lanes.
     pub(super) strains: &'a [S],
-    /// Six initial stresses (Pa) of each batch in lanes, or nothing.
+    /// Six initial stresses (Pa) of each batch in lanes, or none.
     pub(super) initial: Option<&'a [S]>,
     /// Six numbers of the extents (m2) of each element of all batches, or of one batch if all elements
     /// are alike, in lanes.
     pub(super) extents: &'a [S],
-    /// The histories.
-    pub(super) memory: &'a mut Memory<'m, S>,
-    /// Where the six changes of stress go likewise (Pa).
+    /// Locations of the points of all batches, if the law uses them.
+    pub(super) locations: Option<&'a Locations<S>>,
+    /// History variables.
+    pub(super) history: &'a mut HistoryAccess<'m, S>,
+    /// Output: six changes of stress (Pa) of each point of each batch in lanes.
     pub(super) stresses: &'a mut [S],
-    /// Where stored, plastic, damage and recovered energy go likewise (J/m3), if wanted.
+    /// Output, if required: stored, plastic, damage and recovered energy (J/m3) likewise.
     pub(super) energies: Option<&'a mut [S]>,
-    /// Where what is left of the stiffness goes likewise, if wanted.
-    pub(super) remaining: Option<Wanted<'a, S>>,
+    /// Output, if required: remaining stiffness likewise.
+    pub(super) remaining: Option<RemainingOutput<'a, S>>,
 }
 
-/// Where numbers of a [`RemainingStiffness`] go.
-pub(super) struct Wanted<'a, S> {
+/// Output of the numbers of a [`RemainingStiffness`](powerhouse_model::RemainingStiffness).
+pub(super) struct RemainingOutput<'a, S> {
     pub(super) numbers: &'a mut [S],
-    /// Whether all of them are wanted, or that of the path alone.
+    /// Whether all of them are required, or the hourglass share alone.
     pub(super) all: bool,
 }
 
-/// What does not depend on the scalar.
-pub(crate) trait LawParts: Send + Sync {
+/// Functions of a law that do not depend on the lane.
+pub(crate) trait ErasedLaw: Send + Sync {
+    fn name(&self) -> &str;
     fn medium(&self) -> ElasticMedium;
+    fn is_linear(&self) -> bool;
     fn history(&self) -> &[HistoryVariable];
+    fn uses_location(&self) -> bool;
     fn accept_size(&self, size: f64) -> Result<(), ModelError>;
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
-    fn of_path(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64;
+    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>>;
+    fn hourglass_share(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64;
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]>;
     fn relaxes(&self) -> bool;
     fn elastic_domain(&self) -> Option<ElasticDomain>;
 }
 
-/// A law for batches in a scalar.
-pub(crate) trait BatchLaw<S>: LawParts {
-    /// Answers; yields whether energies were told.
-    fn answer(&self, lanes: Lanes, question: Question<S>) -> bool;
-    /// The same in steps of a length (s).
+/// A law for batches in one scalar type.
+pub(crate) trait BatchLaw<S>: ErasedLaw {
+    /// Evaluates the law; returns whether it has energies.
+    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> bool;
+    /// The law discretised in time for steps of a length (s).
     fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>>;
 }
 
-/// A law for batches in either scalar.
-pub(crate) trait AnyLaw: BatchLaw<f64> + BatchLaw<f32> {}
+/// A law for batches in both scalar types.
+pub(crate) trait BatchLaws: BatchLaw<f64> + BatchLaw<f32> {}
 
-impl<M: ConstitutiveLaw> AnyLaw for M {}
+impl<M: ConstitutiveLaw> BatchLaws for M {}
 
-impl<M: ConstitutiveLaw> LawParts for M {
+impl<M: ConstitutiveLaw> ErasedLaw for M {
+    fn name(&self) -> &str {
+        ConstitutiveLaw::name(self)
+    }
     fn medium(&self) -> ElasticMedium {
         ConstitutiveLaw::medium(self)
     }
+    fn is_linear(&self) -> bool {
+        ConstitutiveLaw::is_linear(self)
+    }
     fn history(&self) -> &[HistoryVariable] {
         ConstitutiveLaw::history(self)
+    }
+    fn uses_location(&self) -> bool {
+        ConstitutiveLaw::uses_location(self)
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         ConstitutiveLaw::accept_size(self, size)
@@ -110,8 +126,11 @@ impl<M: ConstitutiveLaw> LawParts for M {
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
         point_stress_change(self, input, new_history)
     }
-    fn of_path(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64 {
-        ConstitutiveLaw::remaining_stiffness(self, input, new_history, change).of_path
+    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
+        point_energy(self, input, new_history)
+    }
+    fn hourglass_share(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64 {
+        ConstitutiveLaw::remaining_stiffness(self, input, new_history, change).hourglass
     }
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         ConstitutiveLaw::tangent(self, input)
@@ -125,10 +144,10 @@ impl<M: ConstitutiveLaw> LawParts for M {
 }
 
 impl<M: ConstitutiveLaw, S: BatchScalar> BatchLaw<S> for M {
-    fn answer(&self, lanes: Lanes, question: Question<S>) -> bool {
-        lanes.dispatch(Answer {
+    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> bool {
+        lanes.dispatch(InLanes {
             law: self,
-            question,
+            evaluation,
         })
     }
     fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>> {
@@ -136,19 +155,20 @@ impl<M: ConstitutiveLaw, S: BatchScalar> BatchLaw<S> for M {
     }
 }
 
-struct Answer<'a, 'm, M, S> {
+/// Evaluation of a law in the lanes of the processor.
+struct InLanes<'a, 'm, M, S> {
     law: &'a M,
-    question: Question<'a, 'm, S>,
+    evaluation: Evaluation<'a, 'm, S>,
 }
 
-impl<M: ConstitutiveLaw, S: BatchScalar> BatchOperation<S> for Answer<'_, '_, M, S> {
+impl<M: ConstitutiveLaw, S: BatchScalar> BatchOperation<S> for InLanes<'_, '_, M, S> {
     type Output = bool;
     #[inline(always)]
     fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> bool {
         let zero = L::splat(token, 0.0);
-        let variables = self.question.memory.get().variables();
+        let variables = self.evaluation.history.get().variables();
         let (mut usual, mut many, mut any);
-        let [blank, staged]: [&mut [L]; 2] = if variables <= USUAL_VARIABLES {
+        let [virgin, staged]: [&mut [L]; 2] = if variables <= USUAL_VARIABLES {
             usual = Aligned([[zero; USUAL_VARIABLES]; 2]);
             usual.0.each_mut().map(|numbers| &mut numbers[..variables])
         } else if variables <= MANY_VARIABLES {
@@ -158,31 +178,32 @@ impl<M: ConstitutiveLaw, S: BatchScalar> BatchOperation<S> for Answer<'_, '_, M,
             any = [(); 2].map(|()| vec![zero; variables]);
             any.each_mut().map(Vec::as_mut_slice)
         };
-        self.all_points(token, blank, staged)
+        self.all_points(token, virgin, staged)
     }
 }
 
-impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
-    /// Asks the law point by point; points without a history have the blank one, and new histories that
-    /// may not have to be stored are staged.
+impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
+    /// Evaluates the law point by point. Points whose history variables are all zero read `virgin`; new
+    /// history variables that may not have to be stored are written to `staged` first.
     #[inline(always)]
     fn all_points<L: BatchLane<Scalar = S>>(
         self,
         token: L::Token,
-        blank: &[L],
+        virgin: &[L],
         staged: &mut [L],
     ) -> bool {
-        let Question {
+        let Evaluation {
             first,
             points,
             strains,
             initial,
             extents,
-            memory,
+            locations,
+            history: access,
             stresses,
             energies,
             remaining,
-        } = self.question;
+        } = self.evaluation;
         let (strains, _) = as_lanes::<L>(token, strains).as_chunks::<6>();
         let (stresses, _) = as_lanes_mut::<L>(token, stresses).as_chunks_mut::<6>();
         #[expect(clippy::manual_map, reason = "a closure may be compiled on its own")]
@@ -191,16 +212,16 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             None => None,
         };
         let (mut remaining, all) = match remaining {
-            Some(Wanted { numbers, all }) => {
-                let (places, _) = as_lanes_mut::<L>(token, numbers).as_chunks_mut::<REMAINING>();
-                (Some(places), all)
+            Some(RemainingOutput { numbers, all }) => {
+                let (numbers, _) = as_lanes_mut::<L>(token, numbers).as_chunks_mut::<REMAINING>();
+                (Some(numbers), all)
             }
             None => (None, false),
         };
         let mut initially = Stress::zero(token);
-        let mut told = false;
-        let writes = matches!(memory, Memory::Write(_));
-        let length = blank.len() * L::WIDTH;
+        let mut has_energies = false;
+        let writes = matches!(access, HistoryAccess::Write(_));
+        let length = virgin.len() * L::WIDTH;
         let is_alike = extents.len() == 6 * L::WIDTH;
         for (b, strains) in strains.chunks_exact(points).enumerate() {
             let batch = first + b;
@@ -215,38 +236,43 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
             for i in 0..6 {
                 widths.0[i] = L::load(token, &of_batch[i * L::WIDTH..]);
             }
-            if let Memory::Write(history) = &mut *memory {
-                history.retry(batch);
+            if let HistoryAccess::Write(history) = &mut *access {
+                history.discard_trial(batch);
             }
             let mut changed = false;
             for p in 0..points {
-                let (committed, next) = match &mut *memory {
-                    Memory::Read(history) => (history.committed(batch), None),
-                    Memory::Write(history) => history.both(batch),
+                let (committed, next) = match &mut *access {
+                    HistoryAccess::Read(history) => (history.committed(batch), None),
+                    HistoryAccess::Write(history) => history.committed_and_trial(batch),
                 };
                 let here = p * length..(p + 1) * length;
                 let old = match committed {
                     Some(numbers) => as_lanes::<L>(token, &numbers[here.clone()]),
-                    None => blank,
+                    None => virgin,
                 };
                 let is_staged = next.is_none();
                 let new = match next {
                     Some(numbers) => as_lanes_mut::<L>(token, &mut numbers[here]),
                     None => &mut *staged,
                 };
-                let input = LawInput::new(Strain(strains[p]), old)
+                let mut input = LawInput::new(Strain(strains[p]), old)
                     .with_initial(initially)
                     .with_extents(widths);
-                let place = b * points + p;
+                let location;
+                if let Some(locations) = locations {
+                    location = locations.in_lanes::<L>(token, batch, p);
+                    input = input.with_location(&location);
+                }
+                let index = b * points + p;
                 let change = L::stress_change(self.law, &input, new);
-                stresses[place] = change.0;
+                stresses[index] = change.0;
                 if let Some(remaining) = remaining.as_deref_mut() {
                     let left = L::remaining_stiffness(self.law, &input, new, &change);
-                    remaining[place][1] = left.of_path;
+                    remaining[index][1] = left.hourglass;
                     if all {
-                        remaining[place][0] = left.undamaged;
+                        remaining[index][0] = left.undamaged;
                         for i in 0..6 {
-                            remaining[place][2 + i] = left.flowed[i];
+                            remaining[index][2 + i] = left.plastic_strain_increment[i];
                         }
                     }
                 }
@@ -258,28 +284,29 @@ impl<M: ConstitutiveLaw, S: BatchScalar> Answer<'_, '_, M, S> {
                         plastic,
                         damage,
                         recovered,
+                        ..
                     } = energy;
-                    energies[place] = [stored, plastic, damage, recovered];
-                    told = true;
+                    energies[index] = [stored, plastic, damage, recovered];
+                    has_energies = true;
                 }
                 changed = changed || (writes && differ(old, new));
-                if let (true, Memory::Write(history)) = (changed, &mut *memory) {
+                if let (true, HistoryAccess::Write(history)) = (changed, &mut *access) {
                     if is_staged {
-                        history.take(batch, p, staged);
+                        history.store(batch, p, staged);
                     } else {
-                        history.took(batch);
+                        history.mark_changed(batch);
                     }
                 }
             }
-            memory.get().ask_ahead(batch + AHEAD);
+            access.get().prefetch(batch + AHEAD);
         }
-        told
+        has_energies
     }
 }
 
 /// Whether any lane of any number differs, or is not a number.
 ///
-/// Where a law changes anything it mostly changes its first variable, so that one is looked at alone.
+/// A law that changes any variable mostly changes its first one, which is therefore compared alone.
 #[inline(always)]
 fn differ<L: BatchLane>(old: &[L], new: &[L]) -> bool {
     let Some(&first) = new.first() else {

@@ -6,18 +6,19 @@ use powerhouse_model::ElasticDomain;
 
 use super::law::BatchLaw;
 
-/// The static form of a law and its form in time steps of one length; none of linear laws, which their
-/// moduli define.
+/// Static form of a law, and its form discretised in time for steps of one length; neither for linear laws,
+/// which their moduli define.
 pub(super) struct LawForms<S> {
     static_form: Option<Arc<dyn BatchLaw<S>>>,
-    dynamic_form: Option<InStep<S>>,
+    dynamic_form: Option<DynamicForm<S>>,
 }
 
-struct InStep<S> {
+/// A law discretised in time for steps of one length.
+struct DynamicForm<S> {
     /// Length of the steps (s).
     length: f64,
     law: Arc<dyn BatchLaw<S>>,
-    /// Where it is not asked.
+    /// Its elastic domain, in which it is not evaluated.
     domain: Option<ElasticDomain>,
 }
 
@@ -28,16 +29,16 @@ impl<S> LawForms<S> {
             dynamic_form: None,
         }
     }
-    /// From now on steps have a length (s).
+    /// Prepares the form for steps of a length (s).
     pub(super) fn prepare(&mut self, length: f64) {
         let known = self
             .dynamic_form
             .as_ref()
-            .is_some_and(|now| now.length == length);
+            .is_some_and(|form| form.length == length);
         if !known {
             self.dynamic_form = self.static_form.as_ref().map(|law| {
                 let law = law.for_step(length);
-                InStep {
+                DynamicForm {
                     length,
                     domain: law.elastic_domain(),
                     law,
@@ -45,29 +46,29 @@ impl<S> LawForms<S> {
             });
         }
     }
-    /// Whether the last forces belong to a motion in steps, and not to a static state.
+    /// Whether the last forces are those of a dynamic step, and not of a static state.
     pub(super) fn is_stepping(&self) -> bool {
         self.dynamic_form
             .as_ref()
-            .is_some_and(|now| now.length > 0.0)
+            .is_some_and(|form| form.length > 0.0)
     }
-    /// The law of the static state.
+    /// The static form; none for linear laws.
     pub(super) fn static_form(&self) -> Option<&dyn BatchLaw<S>> {
         self.static_form.as_deref()
     }
-    /// The law of the last steps, if there were any.
-    pub(super) fn now(&self) -> Option<&dyn BatchLaw<S>> {
+    /// The form of the last forces; the static form before any.
+    pub(super) fn current(&self) -> Option<&dyn BatchLaw<S>> {
         match &self.dynamic_form {
-            Some(now) => Some(now.law.as_ref()),
+            Some(form) => Some(form.law.as_ref()),
             None => self.static_form(),
         }
     }
-    /// Stresses under which the law of the last steps need not be asked.
+    /// Elastic domain of the form of the last forces, in which it need not be evaluated.
     pub(super) fn elastic_domain(&self) -> Option<&ElasticDomain> {
         self.dynamic_form.as_ref()?.domain.as_ref()
     }
-    /// Whether the law relaxes in steps.
+    /// Whether the law is viscoelastic in dynamic steps.
     pub(super) fn relaxes(&self) -> bool {
-        self.now().is_some_and(|law| law.relaxes())
+        self.current().is_some_and(|law| law.relaxes())
     }
 }

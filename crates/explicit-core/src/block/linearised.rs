@@ -1,21 +1,21 @@
-//! Operators in matrix terms: nodal diagonals, and secant and tangent at the present state.
+//! Stiffness operators as matrices: nodal diagonals, and secant and tangent stiffness in the present state.
 
 use powerhouse_model::{
     ElementKernel, Extents, Geometry, LawInput, Mat3, Operator, Strain, Stress, Vec3,
 };
 
 use super::Block;
-use super::law::LawParts;
-use super::remaining::LEAST_RESISTANCE;
+use super::law::ErasedLaw;
+use super::remaining::LEAST_HOURGLASS_SHARE;
 use super::transfer::NodeScalar;
 
-/// `d stress / d strain` at a point, rows of stress (Pa).
+/// Stiffness `d stress / d strain` at an integration point, rows of stress (Pa).
 pub(super) type Stiffness = [[f64; 6]; 6];
 
-/// Step of the difference quotient, against the size of the strain or this strain.
+/// Step of the difference quotient, relative to the larger of the strain and this number.
 const STRAIN_STEP: f64 = 1e-6;
 
-/// The elastic stiffness of an isotropic medium, times a factor.
+/// Elastic stiffness of an isotropic medium with Lame's constants (Pa).
 fn isotropic(lambda: f64, shear: f64) -> Stiffness {
     core::array::from_fn(|j| {
         let mut strain = Strain([0.0; 6]);
@@ -29,8 +29,8 @@ fn times(stiffness: &Stiffness, strain: &Strain) -> Stress {
     Stress(stiffness.map(|row| row.iter().zip(strain.0).map(|(c, e)| c * e).sum()))
 }
 
-/// The elastic stiffness scaled so that the stress does the same work as the law's.
-fn secant(law: &(impl LawParts + ?Sized), input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
+/// Secant stiffness: the elastic stiffness scaled so that its stress does the work of the law's stress.
+fn secant(law: &(impl ErasedLaw + ?Sized), input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
     let medium = law.medium();
     let (lambda, shear) = (medium.lambda(), medium.shear());
     let elastic = Stress::elastic(lambda, shear, &input.strain).work(&input.strain);
@@ -40,8 +40,8 @@ fn secant(law: &(impl LawParts + ?Sized), input: &LawInput<f64>, new: &mut [f64]
     isotropic(share * lambda, share * shear)
 }
 
-/// The law's own tangent, or central differences.
-fn tangent(law: &(impl LawParts + ?Sized), input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
+/// Tangent stiffness: the law's own, or central differences.
+fn tangent(law: &(impl ErasedLaw + ?Sized), input: &LawInput<f64>, new: &mut [f64]) -> Stiffness {
     if let Some(tangent) = law.tangent(input) {
         return tangent;
     }
@@ -70,7 +70,7 @@ where
     /// Geometry numbers of one element.
     pub(super) fn geometry_of(&self, element: usize, out: &mut [f64]) {
         let (length, width) = (out.len(), self.arrangement.width);
-        // One batch stands for all if all elements are alike, or if there are no more.
+        // There is one batch if all elements are alike, or if there are no more.
         let is_one_batch = self.geometry.as_slice().len() == length * width;
         let element = if is_one_batch {
             element % width
@@ -78,12 +78,12 @@ where
             element
         };
         for (index, number) in out.iter_mut().enumerate() {
-            let place = self.arrangement.place(element, index, length);
-            *number = self.geometry.as_slice()[place].to_f64();
+            let index = self.arrangement.place(element, index, length);
+            *number = self.geometry.as_slice()[index].to_f64();
         }
     }
 
-    /// How wide an element is.
+    /// Widths of an element.
     fn extents_of(&self, element: usize) -> Extents<f64> {
         let (numbers, width) = (self.extents.as_slice(), self.arrangement.width);
         let is_one_batch = numbers.len() == 6 * width;
@@ -92,11 +92,11 @@ where
         } else {
             element
         };
-        let place = |i| self.arrangement.place(element, i, 6);
-        Extents(core::array::from_fn(|i| numbers[place(i)].to_f64()))
+        let index = |i| self.arrangement.place(element, i, 6);
+        Extents(core::array::from_fn(|i| numbers[index(i)].to_f64()))
     }
 
-    /// The stiffness at each point of an element under an operator, and its hourglass modulus (Pa).
+    /// Stiffness at each integration point of an element for an operator, and hourglass modulus (Pa).
     fn stiffness(
         &self,
         operator: Operator,
@@ -108,21 +108,21 @@ where
             Some(law) if operator != Operator::Elastic => law,
             _ => return ([elastic; P], self.moduli.hourglass),
         };
-        let nodal = self.places.as_slice()[element]
-            .map(|place| self.locals.displacement(place as usize).into());
+        let nodal = self.connectivity.as_slice()[element]
+            .map(|local| self.locals.displacement(local as usize).into());
         let geometry = Geometry::<f64>::new((), geometry);
         let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
         let stiffness = self.at_points(element, &strains, |input, new| match operator {
             Operator::Secant => secant(law, input, new),
             _ => tangent(law, input, new),
         });
-        (stiffness, self.resistance(law, element, &strains))
+        (stiffness, self.hourglass_modulus(law, element, &strains))
     }
 
-    /// The hourglass modulus (Pa) of an element with these strains under the committed history.
-    pub(super) fn resistance(
+    /// Hourglass modulus (Pa) of an element at some strains, from the committed history variables.
+    pub(super) fn hourglass_modulus(
         &self,
-        law: &(impl LawParts + ?Sized),
+        law: &(impl ErasedLaw + ?Sized),
         element: usize,
         strains: &[Strain; P],
     ) -> f64 {
@@ -132,24 +132,25 @@ where
         }
         let left = self.at_points(element, strains, |input, new| {
             let change = law.stress_change(input, new);
-            law.of_path(input, new, &change)
+            law.hourglass_share(input, new, &change)
         });
         let mean = left.iter().sum::<f64>() / P as f64;
-        whole * mean.max(LEAST_RESISTANCE)
+        whole * mean.max(LEAST_HOURGLASS_SHARE)
     }
 
-    /// What a law is asked at each point of an element with these strains under the committed history; with
-    /// room for a new one.
+    /// Results of a function at each integration point of an element at some strains: it takes the input of
+    /// a law with the committed history variables, and room for new ones.
     pub(super) fn at_points<T>(
         &self,
         element: usize,
         strains: &[Strain; P],
-        mut ask: impl FnMut(&LawInput<f64>, &mut [f64]) -> T,
+        mut evaluate: impl FnMut(&LawInput<f64>, &mut [f64]) -> T,
     ) -> [T; P] {
-        let place = |index, count| self.arrangement.place(element, index, count);
         let initial = self.initial.as_slice();
-        let initial =
-            core::array::from_fn(|i| initial.get(place(i, 6)).map_or(0.0, |value| value.to_f64()));
+        let initial = core::array::from_fn(|i| {
+            let value = initial.get(self.arrangement.place(element, i, 6));
+            value.map_or(0.0, |value| value.to_f64())
+        });
         let extents = self.extents_of(element);
         let variables = self.history.variables();
         let mut new = vec![0.0; variables];
@@ -157,15 +158,20 @@ where
             let old: Vec<f64> = (0..variables)
                 .map(|h| self.history.value(&self.arrangement, element, (p, h)))
                 .collect();
-            let input = LawInput::new(strains[p], &old)
+            let locations = self.locations.as_ref();
+            let location =
+                locations.map(|locations| locations.of_element(&self.arrangement, element, p));
+            let mut input = LawInput::new(strains[p], &old)
                 .with_initial(Stress(initial))
                 .with_extents(extents);
-            ask(&input, &mut new)
+            if let Some(location) = &location {
+                input = input.with_location(location);
+            }
+            evaluate(&input, &mut new)
         })
     }
 
-    /// Shows the nodal forces of every active element for nodal displacements that are given by
-    /// element, one after another.
+    /// Calls a function with every active element and its map from nodal displacements to nodal forces.
     pub(super) fn each_element(
         &self,
         operator: Operator,
@@ -189,8 +195,8 @@ where
         }
     }
 
-    /// Shows the matrix of every active element.
-    pub(super) fn show_matrices(&self, operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
+    /// Calls a function with the stiffness matrix of every active element.
+    pub(super) fn visit_matrices(&self, operator: Operator, visit: &mut dyn FnMut(&[u32], &[f64])) {
         let size = 3 * N;
         let mut matrix = vec![0.0; size * size];
         self.each_element(operator, |element, forces| {
@@ -202,15 +208,15 @@ where
                     matrix[row * size + column] = forces[row / 3][row % 3];
                 }
             }
-            let places = self.places.as_slice()[element];
-            show(
-                &places.map(|place| self.nodes.numbers[place as usize]),
+            let nodes = self.connectivity.as_slice()[element];
+            visit(
+                &nodes.map(|local| self.nodes.numbers[local as usize]),
                 &matrix,
             );
         });
     }
 
-    /// Adds the nodal forces of stresses that are the same all over each element.
+    /// Adds the nodal forces of uniform element stresses.
     pub(super) fn add_forces_of_stress(&self, stresses: &[Stress], out: &mut [Vec3]) {
         let modulus = self.moduli.hourglass;
         let mut numbers = vec![0.0; self.kernel.geometry_len()];
@@ -222,17 +228,17 @@ where
             let geometry = Geometry::<f64>::new((), &numbers);
             let modal = (self.kernel).forces(geometry, &[stress; P], modulus, &[[0.0; 3]; N]);
             let nodal = self.kernel.nodal_forces(&modal);
-            for (&place, force) in self.places.as_slice()[element].iter().zip(nodal) {
-                out[place as usize] += Vec3::from(force);
+            for (&local, force) in self.connectivity.as_slice()[element].iter().zip(nodal) {
+                out[local as usize] += Vec3::from(force);
             }
         }
     }
 
-    /// Adds the nodal 3 x 3 blocks of an operator.
+    /// Adds the nodal 3 x 3 diagonal blocks of an operator.
     pub(super) fn add_diagonal(&self, operator: Operator, out: &mut [Mat3]) {
         self.each_element(operator, |element, forces| {
             for a in 0..N {
-                let block = &mut out[self.places.as_slice()[element][a] as usize];
+                let block = &mut out[self.connectivity.as_slice()[element][a] as usize];
                 for j in 0..3 {
                     let mut nodal = [[0.0; 3]; N];
                     nodal[a][j] = 1.0;

@@ -1,14 +1,14 @@
-//! Reading nodes without a check at every read, seeing numbers as the lanes that they fill, and asking
-//! for memory ahead of its use: the only unsafe code of the crate.
+//! Reads of nodal values without a bounds check each, views of numbers as lanes, and prefetching: the only
+//! unsafe code of the crate.
 //!
-//! What it is worth, on distorted one-point bricks and one thread of a Zen 4 core: the check at
+//! Measured gain, on distorted one-point bricks and one thread of a Zen 4 core: the check at
 //! every read takes a step from 24 to 28 ns per element in mixed precision with a benign fallback,
-//! and to 47 ns with a panic, because a reader that may stop between any two reads keeps them
-//! apart. Asking ahead takes 132,651 elements in f64 from 43 to 37 ns: a batch reads its geometry
+//! and to 47 ns with a panic, because a possible panic between two reads forbids the compiler to
+//! combine them. Prefetching takes 132,651 elements in f64 from 43 to 37 ns: a batch reads its geometry
 //! in one burst and then computes for a while, so that the processor's own prefetching starts anew
-//! at every burst. Histories are asked for from further ahead and into the second cache: the nearest
-//! one can wait for few lines at once, and those of a batch with 18 variables are more (a step of
-//! 110,592 elements with flat damping from 65 to 55 ns).
+//! at every burst. Histories are prefetched further ahead and into the second-level cache: the first
+//! level has few outstanding lines, and a batch with 18 variables needs more (a step of 110,592 elements
+//! with flat damping from 65 to 55 ns).
 #![expect(unsafe_code)]
 
 use powerhouse_model::{NodalScalar, Quad};
@@ -18,75 +18,79 @@ use crate::lanes::BatchLane;
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
-/// Places of the nodes of elements, all below a bound.
+/// Connectivity of elements in local node indices of the block, all below a bound.
 #[derive(Debug)]
-pub(super) struct Places<const N: usize> {
+pub(super) struct Connectivity<const N: usize> {
     /// Invariant: every number is below `bound`.
     of_elements: Vec<[u32; N]>,
     bound: usize,
 }
 
-impl<const N: usize> Places<N> {
-    /// Takes over places.
+impl<const N: usize> Connectivity<N> {
+    /// A connectivity from the local node indices of each element.
     pub(super) fn new(of_elements: Vec<[u32; N]>) -> Self {
-        let places = of_elements.as_flattened().iter();
-        let bound = places.max().map_or(0, |&largest| largest as usize + 1);
+        let indices = of_elements.as_flattened().iter();
+        let bound = indices.max().map_or(0, |&largest| largest as usize + 1);
         Self { of_elements, bound }
     }
-    /// The places of all elements.
+    /// Local node indices of all elements.
     pub(super) fn as_slice(&self) -> &[[u32; N]] {
         &self.of_elements
     }
-    /// Nodal values, to be read by element.
+    /// A view of nodal values by element.
     ///
     /// # Panics
-    /// If a place lies beyond the nodes.
+    /// If an index exceeds the number of nodes.
     #[inline(always)]
     pub(super) fn over<'a, A: NodalScalar>(&'a self, nodes: &'a [Quad<A>]) -> NodesOf<'a, A, N> {
-        assert!(self.bound <= nodes.len(), "a place lies beyond the nodes");
+        assert!(
+            self.bound <= nodes.len(),
+            "an index exceeds the number of nodes"
+        );
         NodesOf {
-            places: &self.of_elements,
+            connectivity: &self.of_elements,
             nodes,
         }
     }
 }
 
-/// Values at the nodes of elements.
+/// View of nodal values by element.
 #[derive(Clone, Copy)]
 pub(super) struct NodesOf<'a, A: NodalScalar, const N: usize> {
     /// Invariant: every number is an index of `nodes`.
-    places: &'a [[u32; N]],
+    connectivity: &'a [[u32; N]],
     nodes: &'a [Quad<A>],
 }
 
 impl<'a, A: NodalScalar, const N: usize> NodesOf<'a, A, N> {
-    /// The same for some of the elements.
+    /// The view of a range of the elements.
     ///
     /// # Panics
-    /// If the range reaches beyond the elements.
+    /// If the range exceeds the elements.
     #[inline(always)]
     pub(super) fn elements(self, first: usize, count: usize) -> Self {
         Self {
-            places: &self.places[first..][..count],
+            connectivity: &self.connectivity[first..][..count],
             nodes: self.nodes,
         }
     }
     /// The value at node `a` of element `j`.
     ///
     /// # Panics
-    /// If there is no such element or node of an element.
+    /// If there is no such element or node.
     #[inline(always)]
     pub(super) fn value(self, j: usize, a: usize) -> [A; 4] {
-        let place = self.places[j][a] as usize;
-        // SAFETY: `Places::over` is the only maker of this type and found all places of
-        // `Places::of_elements` below `Places::bound`, and that not above the number of nodes;
+        let index = self.connectivity[j][a] as usize;
+        // SAFETY: `Connectivity::over` is the only maker of this type and found all indices of
+        // `Connectivity::of_elements` below `Connectivity::bound`, and that not above the number of nodes;
         // `elements` only takes fewer of them. Both slices are borrowed for the life of `self`.
-        unsafe { self.nodes.get_unchecked(place) }.values
+        unsafe { self.nodes.get_unchecked(index) }.values
     }
 }
 
-/// Numbers as the lanes that they fill, so that a law reads and writes a history where it is stored: a
-/// step with flat damping, or in which everything yields, takes some 3 % less than with copies.
+/// View of numbers as the lanes that they fill, so that a law reads and writes history variables where they
+/// are stored: a step with flat damping, or in which everything yields, takes some 3 % less than with
+/// copies.
 ///
 /// # Panics
 /// If they do not fill whole lanes.
@@ -94,14 +98,14 @@ impl<'a, A: NodalScalar, const N: usize> NodesOf<'a, A, N> {
 pub(super) fn as_lanes<L: BatchLane>(_token: L::Token, numbers: &[L::Scalar]) -> &[L] {
     const { assert!(size_of::<L>() == L::WIDTH * size_of::<L::Scalar>()) };
     // SAFETY: a lane is `WIDTH` numbers and nothing else, since what proves that the processor has its
-    // instructions takes no place; of that proof there is one, since the caller holds it. Any bits are
-    // numbers. `align_to` only yields what begins where a lane may.
+    // instructions has no size; such a proof exists, since the caller has it. Any bits are
+    // numbers. `align_to` returns only lanes that are aligned.
     let (before, lanes, after) = unsafe { numbers.align_to() };
     assert!(before.is_empty() && after.is_empty(), "{SPLIT}");
     lanes
 }
 
-/// The same, to be changed.
+/// Mutable view of numbers as the lanes that they fill.
 ///
 /// # Panics
 /// As [`as_lanes`].
@@ -114,17 +118,17 @@ pub(super) fn as_lanes_mut<L: BatchLane>(_token: L::Token, numbers: &mut [L::Sca
     lanes
 }
 
-/// What [`as_lanes`] says when it stops.
+/// Panic message of [`as_lanes`].
 const SPLIT: &str = "numbers fill whole lanes";
 
-/// Where numbers shall be when they are read.
+/// Cache level of a prefetch.
 #[derive(Clone, Copy)]
 pub(super) enum Cache {
     Nearest,
     Second,
 }
 
-/// Asks for `slice[start..start + count]`, as far as it exists.
+/// Prefetches `slice[start..start + count]`, as far as it exists.
 #[inline(always)]
 pub(super) fn prefetch<T>(cache: Cache, slice: &[T], start: usize, count: usize) {
     #[cfg(target_arch = "x86_64")]

@@ -1,6 +1,7 @@
-//! Blocks: many elements of one kernel and one law, computed in lanes.
+//! Blocks of elements of one kernel and one law, computed in lanes.
 
 mod account;
+mod any_law;
 mod batches;
 mod element_forces;
 mod exchange;
@@ -10,6 +11,7 @@ mod history;
 mod law;
 mod law_forms;
 mod linearised;
+mod locations;
 mod memory;
 mod numbers;
 mod operations;
@@ -24,7 +26,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound,
-    HistoryField, Mat3, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
+    HistoryField, HistoryUpdate, Mat3, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
 };
 
 use crate::Rayleigh;
@@ -33,26 +35,28 @@ use account::{Account, StepSums};
 use batches::Batches;
 use exchange::Exchanges;
 use history::History;
-use law::Memory;
+use law::HistoryAccess;
 use law_forms::LawForms;
-use memory::Places;
+use locations::Locations;
+use memory::Connectivity;
 use numbers::AlignedNumbers;
 use operations::{Elastic, EnergyBookkeeping, LawState, Material, Moduli, Rates};
 use survey::Summary;
 use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
 
+pub use any_law::AnyLaw;
 pub use factory::solid;
-pub(crate) use factory::{Erased, coordinate_rounding, erased};
+pub(crate) use factory::{coordinate_rounding, of_any_law};
 
 thread_local! {
-    /// Where blocks keep their nodes' values while they compute a step: one piece of memory per
-    /// thread, which stays in its cache from block to block.
+    /// Nodal values of a block during a step: one buffer per thread, which stays in its cache from block to
+    /// block.
     static SCRATCH: Cell<Locals> = const { Cell::new(Locals::NONE) };
-    /// What passes between kernels and laws, likewise.
+    /// Buffers between kernels and laws, likewise.
     static EXCHANGES: Cell<Exchanges> = Cell::default();
 }
 
-/// Elements with a kernel of `N` nodes and `P` points and a law, in the scalar `S`.
+/// Block of elements with a kernel of `N` nodes and `P` integration points and a law, in the scalar `S`.
 struct Block<K, S, const N: usize, const P: usize> {
     label: Arc<str>,
     kernel: K,
@@ -64,23 +68,25 @@ struct Block<K, S, const N: usize, const P: usize> {
     /// Mesh indices of the elements.
     elements: Vec<u32>,
     nodes: BlockNodes,
-    /// Places of the nodes of each element, whole batches.
-    places: Places<N>,
+    /// Local node indices of each element, whole batches.
+    connectivity: Connectivity<N>,
     geometry: AlignedNumbers<S>,
     /// Six numbers of [`Extents`](powerhouse_model::Extents) per element (m2), of one batch if all elements
     /// are alike; empty for linear laws.
     extents: AlignedNumbers<S>,
+    /// Locations of the integration points, if the law uses them.
+    locations: Option<Locations<S>>,
     /// Lumped masses of each element (kg).
     masses: Vec<[f64; N]>,
-    /// Bounds of each element (rad/s).
+    /// Frequency bound of each element (rad/s).
     frequencies: Vec<f64>,
     active: Option<Vec<bool>>,
-    /// Where strain is measured from (m), by place.
+    /// Reference displacement of strain (m), by local node index.
     reference: Option<Vec<Quad<f64>>>,
-    /// Initial stresses (Pa), empty if there are none.
+    /// Initial stresses (Pa); empty if there are none.
     initial: AlignedNumbers<S>,
     history: History<S>,
-    /// What the last static forces were computed from, if the law's tangent depends on it.
+    /// Displacement of the last static forces, on which secant and tangent stiffness depend.
     locals: Locals,
     account: Account<S>,
 }
@@ -93,7 +99,7 @@ where
     fn batches(&self) -> Batches<'_, S, N> {
         Batches {
             elements: self.elements.len(),
-            places: &self.places,
+            connectivity: &self.connectivity,
             active: self.active.as_deref(),
             geometry: self.geometry.as_slice(),
             arrangement: self.arrangement,
@@ -119,48 +125,51 @@ where
         self.active.as_ref().is_none_or(|active| active[element])
     }
 
-    /// Writes forces in a step of a length (s) with a coefficient of stiffness damping (s), and what the
-    /// law did in it if that is to be booked; yields whether all is finite.
+    /// Writes forces of a step, with energy bookkeeping if sums are given; returns whether all is finite.
     ///
-    /// The damping of a linear law is the elastic force of the velocity, so that it is added to
+    /// The damping force of a linear law is the elastic force of the velocity, which is therefore added to
     /// the displacement of the nodes.
     fn write_forces<A: NodeScalar>(
         &mut self,
         displacement: &[Quad<f64>],
         velocity: &[Quad<A>],
         (step, damping): (f64, f64),
-        booked: Option<&mut StepSums>,
+        sums: Option<&mut StepSums>,
         out: &mut [Quad<A>],
     ) -> bool {
         let damped = damping != 0.0;
-        let moves = damped || (booked.is_some() && !self.is_linear());
+        let needs_velocity = damped || (sums.is_some() && !self.is_linear());
         if const { size_of::<A>() < size_of::<S>() } {
-            // Nodes in fewer digits than elements: few blocks, whose forces are rounded once they are summed.
-            let mut sums = vec![Quad::default(); out.len()];
-            let velocity = if moves { doubled(velocity) } else { Vec::new() };
+            // Nodes in lower precision than elements: few blocks, whose forces are rounded after their sum.
+            let mut forces = vec![Quad::default(); out.len()];
+            let velocity = if needs_velocity {
+                doubled(velocity)
+            } else {
+                Vec::new()
+            };
             let finite = self.write_forces::<f64>(
                 displacement,
                 &velocity,
                 (step, damping),
-                booked,
-                &mut sums,
+                sums,
+                &mut forces,
             );
-            for (out, sum) in out.iter_mut().zip(sums) {
-                *out = Quad::from_vector(&sum.to_vector());
+            for (out, force) in out.iter_mut().zip(forces) {
+                *out = Quad::from_vector(&force.to_vector());
             }
             return finite;
         }
         out.fill(Quad::default());
-        // A step is not linearised: its nodes need not be kept.
-        let keeps = !self.is_linear() && !self.law.is_stepping();
-        let mut locals = if keeps {
+        // Only static states are linearised: the displacement of a dynamic step is not stored.
+        let stores = !self.is_linear() && !self.law.is_stepping();
+        let mut locals = if stores {
             core::mem::take(&mut self.locals)
         } else {
             SCRATCH.take()
         };
         let (local, rates) = A::local(&mut locals);
         copy_nodes(displacement, &self.nodes, local);
-        if moves {
+        if needs_velocity {
             copy_nodes(velocity, &self.nodes, rates);
         }
         if self.is_linear() && damped {
@@ -179,23 +188,23 @@ where
             let mut account = core::mem::take(&mut self.account);
             let mut history = core::mem::take(&mut self.history);
             let batches = self.batches().count(self.arrangement.width);
-            let elements = self.places.as_slice().len();
-            let books = booked.map(|sums| EnergyBookkeeping {
-                kept: account.of_batches((elements, P), batches),
+            let elements = self.connectivity.as_slice().len();
+            let bookkeeping = sums.map(|sums| EnergyBookkeeping {
+                previous: account.previous_step((elements, P), batches),
                 sums,
             });
-            let rates = moves.then_some(Rates {
+            let rates = needs_velocity.then_some(Rates {
                 step,
                 velocity: rates,
                 damping,
-                books,
+                bookkeeping,
             });
-            let memory = Memory::Write(&mut history);
-            let finite = self.material(local, memory, rates, Some(out), None);
+            let access = HistoryAccess::Write(&mut history);
+            let finite = self.material(local, access, rates, Some(out), None);
             (self.account, self.history) = (account, history);
             finite
         };
-        if keeps {
+        if stores {
             self.locals = locals;
         } else {
             SCRATCH.set(locals);
@@ -203,7 +212,7 @@ where
         finite
     }
 
-    /// The elastic operator on nodes by place.
+    /// Forces and summaries of the elastic stiffness at nodal displacements by local index.
     fn elastic<A: BatchScalar>(
         &self,
         nodes: &[Quad<f64>],
@@ -221,16 +230,16 @@ where
         self.lanes.dispatch(operation)
     }
 
-    /// The law on nodes by place.
+    /// Forces and summaries of the law at nodal displacements by local index.
     fn material<A: BatchScalar>(
         &self,
         nodes: &[Quad<f64>],
-        history: Memory<S>,
+        history: HistoryAccess<S>,
         rates: Option<Rates<A, S>>,
         out: Option<&mut [Quad<A>]>,
         survey: Option<&mut [Summary]>,
     ) -> bool {
-        let Some(law) = self.law.now() else {
+        let Some(law) = self.law.current() else {
             return self.elastic(nodes, out, survey);
         };
         let mut exchanges = EXCHANGES.take();
@@ -242,6 +251,7 @@ where
             batches: self.batches(),
             moduli: self.moduli,
             state: self.law_state(),
+            locations: self.locations.as_ref(),
             history,
             exchange: S::exchange(&mut exchanges),
             nodes,
@@ -254,9 +264,9 @@ where
         finite
     }
 
-    /// A displacement by place, since the reference.
+    /// Displacement relative to the reference, by local node index.
     fn since_reference(&self, displacement: NodalView) -> Vec<Quad<f64>> {
-        let mut local = by_place(&self.nodes.numbers, displacement);
+        let mut local = by_local_index(&self.nodes.numbers, displacement);
         if let Some(reference) = &self.reference {
             for (value, &from) in local.iter_mut().zip(reference) {
                 *value = difference(*value, from);
@@ -265,39 +275,39 @@ where
         local
     }
 
-    /// What is known of each element at a displacement since the reference (by place), under the
-    /// committed history.
+    /// Mean stress and stored energies of each element at a displacement relative to the reference (by local
+    /// node index), from the committed history variables.
     fn survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
         if self.is_linear() {
             return self.elastic_survey(nodes);
         }
         let mut survey = vec![Summary::default(); self.elements.len()];
-        let memory = Memory::Read(&self.history);
-        self.material::<f64>(nodes, memory, None, None, Some(&mut survey));
+        let access = HistoryAccess::Read(&self.history);
+        self.material::<f64>(nodes, access, None, None, Some(&mut survey));
         survey
     }
 
-    /// The same under the initial stiffness.
+    /// The same of the initial stiffness.
     fn elastic_survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
         let mut survey = vec![Summary::default(); self.elements.len()];
         self.elastic::<f64>(nodes, None, Some(&mut survey));
         survey
     }
 
-    /// The first element whose nodes or stresses are not numbers.
+    /// The first element of which a nodal value or the stress is not finite.
     fn fault(&self, context: &BlockContext) -> Option<ElementFault> {
         let displacement = self.since_reference(context.displacement);
-        let velocity = by_place(&self.nodes.numbers, context.velocity);
+        let velocity = by_local_index(&self.nodes.numbers, context.velocity);
         let survey = self.survey(&displacement);
-        let finite = |values: &[Quad<f64>], place: u32| {
-            let vector = values[place as usize].to_vector();
+        let finite = |values: &[Quad<f64>], local: u32| {
+            let vector = values[local as usize].to_vector();
             vector.iter().all(|component| component.is_finite())
         };
         let reason = |element: usize| {
-            let places = &self.places.as_slice()[element];
-            if !places.iter().all(|&place| finite(&displacement, place)) {
+            let nodes = &self.connectivity.as_slice()[element];
+            if !nodes.iter().all(|&local| finite(&displacement, local)) {
                 Some("a node's displacement is not finite")
-            } else if !places.iter().all(|&place| finite(&velocity, place)) {
+            } else if !nodes.iter().all(|&local| finite(&velocity, local)) {
                 Some("a node's velocity is not finite")
             } else if !survey[element].stress.0.iter().all(|s| s.is_finite()) {
                 Some("its stress is not finite")
@@ -308,26 +318,22 @@ where
         (0..self.elements.len())
             .filter(|&element| self.is_active(element))
             .find_map(|element| {
-                reason(element).map(|reason| ElementFault {
-                    element: self.elements[element],
-                    reason: reason.into(),
-                })
+                reason(element).map(|reason| ElementFault::new(self.elements[element], reason))
             })
     }
 
-    /// The first element with a force that is not a number, for stresses that were none under a history
-    /// that was written over since.
+    /// The first element with a nodal force that is not finite: the fault of a stress whose history was
+    /// overwritten since.
     fn fault_of<A: NodeScalar>(&self, forces: &[Quad<A>]) -> Option<ElementFault> {
-        let finite = |place: &u32| {
-            let force = forces[*place as usize].to_vector();
+        let finite = |local: &u32| {
+            let force = forces[*local as usize].to_vector();
             force.iter().all(|component| component.is_finite())
         };
         let element = (0..self.elements.len()).find(|&element| {
-            self.is_active(element) && !self.places.as_slice()[element].iter().all(finite)
+            self.is_active(element) && !self.connectivity.as_slice()[element].iter().all(finite)
         });
-        element.map(|element| ElementFault {
-            element: self.elements[element],
-            reason: "a force of its nodes is not finite".into(),
+        element.map(|element| {
+            ElementFault::new(self.elements[element], "a force of its nodes is not finite")
         })
     }
 
@@ -340,9 +346,9 @@ where
     ) -> Result<(), ElementFault> {
         let damping = self.coefficient(context);
         self.law.prepare(context.step);
-        // What is switched off keeps its old history.
-        self.history
-            .write_over(context.once && self.active.is_none());
+        // Inactive elements keep their committed history.
+        let in_place = context.history_update == HistoryUpdate::InPlace;
+        self.history.set_in_place(in_place && self.active.is_none());
         let mut sums = StepSums::default();
         let booked = context.ledger.then_some(&mut sums);
         let terms = (context.step, damping);
@@ -373,19 +379,20 @@ where
             return;
         }
         self.each_element(operator, |element, forces| {
-            let nodal = self.places.as_slice()[element].map(|place| {
-                let node = self.nodes.numbers[place as usize];
+            let nodes = &self.connectivity.as_slice()[element];
+            let nodal = nodes.map(|local| {
+                let node = self.nodes.numbers[local as usize];
                 x[node as usize].to_vector().into()
             });
-            for (&place, force) in self.places.as_slice()[element].iter().zip(forces(&nodal)) {
-                let sum = &mut out[place as usize];
+            for (&local, force) in nodes.iter().zip(forces(&nodal)) {
+                let sum = &mut out[local as usize];
                 *sum = Quad::from_vector(&(sum.to_vector() + Vec3::from(force)));
             }
         });
     }
 }
 
-/// The same values in double precision.
+/// Nodal values in double precision.
 fn doubled<A: NodeScalar>(values: &[Quad<A>]) -> Vec<Quad<f64>> {
     let values = values.iter();
     values
@@ -393,23 +400,23 @@ fn doubled<A: NodeScalar>(values: &[Quad<A>]) -> Vec<Quad<f64>> {
         .collect()
 }
 
-/// `a + factor b`.
+/// The vector `a + factor b`.
 fn sum<A: NodeScalar>(a: Quad<f64>, b: Quad<A>, factor: f64) -> Quad<f64> {
     Quad::from_vector(&(a.to_vector() + b.to_vector() * factor))
 }
 
-/// `a - b`.
+/// The vector `a - b`.
 fn difference(a: Quad<f64>, b: Quad<f64>) -> Quad<f64> {
     Quad::from_vector(&(a.to_vector() - b.to_vector()))
 }
 
-/// Nodal values by place.
-fn by_place(nodes: &[u32], view: NodalView) -> Vec<Quad<f64>> {
+/// Nodal values by local node index.
+fn by_local_index(nodes: &[u32], view: NodalView) -> Vec<Quad<f64>> {
     let values = nodes.iter().map(|&node| view.vector(node as usize));
     values.map(|value| Quad::from_vector(&value)).collect()
 }
 
-/// Views of one call that differ in storage are a fault of the engine's author.
+/// Panic message of an engine that passes velocities and forces in different storage.
 const ONE_STORAGE: &str = "velocities and forces of one call have the same storage";
 
 impl<K, S, const N: usize, const P: usize> ElementBlock for Block<K, S, N, P>
@@ -454,14 +461,15 @@ where
     fn diagonal(&self, operator: Operator, out: &mut [Mat3]) {
         self.add_diagonal(operator, out);
     }
-    fn each_matrix(&self, operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
-        self.show_matrices(operator, show);
+    fn each_matrix(&self, operator: Operator, visit: &mut dyn FnMut(&[u32], &[f64])) {
+        self.visit_matrices(operator, visit);
     }
     fn add_mass(&self, out: &mut [f64]) {
         for (element, masses) in self.masses.iter().enumerate() {
             if self.is_active(element) {
-                for (&place, mass) in self.places.as_slice()[element].iter().zip(masses) {
-                    out[place as usize] += mass;
+                let nodes = &self.connectivity.as_slice()[element];
+                for (&local, mass) in nodes.iter().zip(masses) {
+                    out[local as usize] += mass;
                 }
             }
         }
@@ -469,10 +477,9 @@ where
     fn frequency_bounds(&self) -> Vec<FrequencyBound> {
         (0..self.elements.len())
             .filter(|&element| self.is_active(element))
-            .map(|element| FrequencyBound {
-                element: self.elements[element],
-                frequency: self.frequencies[element],
-                stiffness_damping: self.damping.stiffness,
+            .map(|element| {
+                FrequencyBound::new(self.elements[element], self.frequencies[element])
+                    .with_stiffness_damping(self.damping.stiffness)
             })
             .collect()
     }
@@ -485,26 +492,27 @@ where
     fn set_active(&mut self, active: &[bool]) {
         let some_are_off = active.iter().any(|active| !active);
         self.active = some_are_off.then(|| active.to_vec());
-        self.account.rest();
+        self.account.restart();
     }
     fn set_reference_displacement(&mut self, displacement: NodalView) {
-        self.reference = Some(by_place(&self.nodes.numbers, displacement));
-        self.account.rest();
+        self.reference = Some(by_local_index(&self.nodes.numbers, displacement));
+        self.account.restart();
     }
     fn set_initial_stress(&mut self, stress: &[Stress]) {
         if self.is_linear() {
-            // The change of stress of a linear law does not depend on where it starts.
+            // The change of stress of a linear law does not depend on the initial stress.
             return;
         }
-        self.initial = AlignedNumbers::zeros(6 * self.places.as_slice().len());
-        for element in 0..self.places.as_slice().len() {
+        let padded = self.connectivity.as_slice().len();
+        self.initial = AlignedNumbers::zeros(6 * padded);
+        for element in 0..padded {
             let stress = &stress[element.min(stress.len() - 1)];
             for i in 0..6 {
-                let place = self.arrangement.place(element, i, 6);
-                self.initial.as_mut_slice()[place] = S::from_f64(stress.0[i]);
+                let index = self.arrangement.place(element, i, 6);
+                self.initial.as_mut_slice()[index] = S::from_f64(stress.0[i]);
             }
         }
-        self.account.rest();
+        self.account.restart();
     }
     fn add_forces_of(&self, stress: &[Stress], out: &mut [Vec3]) {
         self.add_forces_of_stress(stress, out);
@@ -517,12 +525,12 @@ where
     }
     fn element_forces(
         &self,
-        place: usize,
+        index: usize,
         displacement: NodalView,
         initial: &Stress,
         out: &mut [Vec3],
     ) -> bool {
-        self.write_forces_of(place, displacement, initial, out);
+        self.write_forces_of(index, displacement, initial, out);
         true
     }
     fn energy(&self, context: &BlockContext) -> BlockEnergy {
@@ -539,9 +547,10 @@ where
     fn set_history(&mut self, fields: &[HistoryField]) {
         let (arrangement, elements) = (self.arrangement, &self.elements);
         self.history.set_fields(&arrangement, elements, fields);
-        self.account.rest();
+        self.account.restart();
     }
-    fn shown_history(&self, place: usize, variable: &str) -> Option<f64> {
-        self.history.shown(&self.arrangement, place, variable)
+    fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {
+        self.history
+            .element_value(&self.arrangement, index, variable)
     }
 }

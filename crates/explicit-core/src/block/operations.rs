@@ -1,15 +1,16 @@
-//! What a block does to all of its batches at a step.
+//! Force evaluation of all batches of a block: elastic, and with a law.
 
 use powerhouse_model::{
     ElasticDomain, ElementKernel, Geometry, LawEnergy, Quad, RemainingStiffness, Strain, Stress,
 };
 
-use super::account::{Kept, StepSums};
+use super::account::{PreviousStep, StepSums};
 use super::batches::Batches;
-use super::exchange::Exchange;
-use super::law::{BatchLaw, Memory, Question, Wanted};
+use super::exchange::{Exchange, PointBuffers};
+use super::law::{BatchLaw, Evaluation, HistoryAccess, RemainingOutput};
+use super::locations::Locations;
 use super::numbers::Aligned;
-use super::remaining::{LEAST_RESISTANCE, damped_share, less, product, times};
+use super::remaining::{LEAST_HOURGLASS_SHARE, damped_share, less, product, times};
 use super::survey::{
     Summary, complementary_energy, each_lane, earlier, linear_energy, step_work, write_all,
     write_mean,
@@ -22,17 +23,17 @@ use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 pub(super) struct Moduli {
     pub(super) lambda: f64,
     pub(super) shear: f64,
-    /// What hourglass resistance is proportional to, zero if there is none.
+    /// Hourglass modulus of the undamaged material, zero if there are no hourglass forces.
     pub(super) hourglass: f64,
 }
 
-/// Zero as long as every stress seen is a number, NaN afterwards.
+/// Check that all stresses are finite: zero as long as they are, NaN afterwards.
 #[derive(Clone, Copy)]
-struct Watch<L>(L);
+struct FiniteCheck<L>(L);
 
-impl<L: BatchLane> Watch<L> {
+impl<L: BatchLane> FiniteCheck<L> {
     #[inline(always)]
-    fn see(&mut self, stress: &Stress<L>) {
+    fn add(&mut self, stress: &Stress<L>) {
         let sum = stress.0[0] + stress.0[1] + stress.0[2];
         self.0 = sum.mul_add(sum.constant(0.0), self.0);
     }
@@ -44,15 +45,15 @@ impl<L: BatchLane> Watch<L> {
     }
 }
 
-/// Elastic forces of a displacement by place; yields whether all is finite.
+/// Elastic forces of a displacement by local node index; returns whether all is finite.
 pub(super) struct Elastic<'a, K, A: BatchScalar, S, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
     pub(super) nodes: &'a [Quad<f64>],
-    /// By place, if wanted.
+    /// Output, if required: forces by local node index.
     pub(super) out: Option<&'a mut [Quad<A>]>,
-    /// One per element, if wanted.
+    /// Output, if required: one summary per element.
     pub(super) survey: Option<&'a mut [Summary]>,
 }
 
@@ -70,8 +71,8 @@ where
         let modulus = L::splat(token, self.moduli.hourglass);
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
-        let mut watch = Watch(L::splat(token, 0.0));
-        let nodes = self.batches.places.over(self.nodes);
+        let mut check = FiniteCheck(L::splat(token, 0.0));
+        let nodes = self.batches.connectivity.over(self.nodes);
         for index in 0..self.batches.count(L::WIDTH) {
             let batch = self
                 .batches
@@ -83,7 +84,7 @@ where
             let mut stresses = [Stress::zero(token); P];
             for p in 0..P {
                 stresses[p] = Stress::elastic(lambda, shear, &strains[p]);
-                watch.see(&stresses[p]);
+                check.add(&stresses[p]);
             }
             let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
             let forces = self.kernel.nodal_forces(&forces);
@@ -100,69 +101,88 @@ where
                 }
             }
         }
-        watch.all_finite()
+        check.all_finite()
     }
 }
 
-/// What a law is told besides strain, for whole batches.
+/// Input of a law besides strain and history, for whole batches.
 #[derive(Clone, Copy)]
 pub(super) struct LawState<'a, S> {
-    /// Six numbers per element, or empty.
+    /// Six initial stresses per element (Pa), or empty.
     pub(super) initial: &'a [S],
-    /// Six numbers per element, or those of one batch if all elements are alike.
+    /// Six numbers of the extents per element (m2), or those of one batch if all elements are alike.
     pub(super) extents: &'a [S],
 }
 
-/// Velocities, for damping and for the work of a step.
+/// Velocities, for stiffness damping and for the work of a step.
 pub(super) struct Rates<'a, A: BatchScalar, S> {
     /// Length of the step (s).
     pub(super) step: f64,
-    /// By place (m/s).
+    /// Velocity by local node index (m/s).
     pub(super) velocity: &'a [Quad<A>],
     /// Stiffness damping coefficient (s).
     pub(super) damping: f64,
-    /// The account of the step, if one is kept.
-    pub(super) books: Option<EnergyBookkeeping<'a, S>>,
+    /// Energy bookkeeping of the step, if it is required.
+    pub(super) bookkeeping: Option<EnergyBookkeeping<'a, S>>,
 }
 
 /// Energy bookkeeping of a step: the increments of energy of the elements that may dissipate.
 ///
-/// Batches that are surely elastic, and were so a step before, are not in it: of them the work of a step
-/// is what they hold more after it.
+/// It leaves out batches inside their elastic domain at the end of this step and of the previous one, of which
+/// the work of a step is the increment of their stored energy.
 pub(super) struct EnergyBookkeeping<'a, S> {
-    /// What is kept of the step before.
-    pub(super) kept: Kept<'a, S>,
-    /// What the elements in the account did in the step.
+    /// State at the previous step.
+    pub(super) previous: PreviousStep<'a, S>,
+    /// Energies of the step.
     pub(super) sums: &'a mut StepSums,
 }
 
-/// How a batch was answered.
-enum Answered<L, const P: usize> {
-    /// By Hooke's law.
+/// Source of the stresses of a batch.
+enum Response<L, const P: usize> {
+    /// Hooke's law, inside the elastic domain.
     Elastic,
-    /// By its law, without energies.
-    Plain,
-    /// By its law, with energies if it told them.
-    WithEnergies(Option<[LawEnergy<L>; P]>),
+    /// The law, without energies.
+    Law,
+    /// The law, with energies if it has them.
+    LawWithEnergies(Option<[LawEnergy<L>; P]>),
 }
 
-/// Forces of a law that is not linear; yields whether all is finite.
+/// Changes of stress of a batch, their source, and the remaining stiffness if it is required.
+struct BatchStress<L, const P: usize> {
+    changes: [Stress<L>; P],
+    response: Response<L, P>,
+    remaining: Option<[RemainingStiffness<L>; P]>,
+}
+
+/// Output of a law that is required besides stresses.
+#[derive(Clone, Copy)]
+struct Required {
+    energy: bool,
+    /// Whether stiffness damping acts, which requires all of the remaining stiffness.
+    damping: bool,
+    /// Whether hourglass forces act, which require the hourglass share of the remaining stiffness.
+    hourglass: bool,
+}
+
+/// Forces of a nonlinear law; returns whether all is finite.
 pub(super) struct Material<'a, K, A: BatchScalar, S, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) law: &'a dyn BatchLaw<S>,
-    /// Stresses under which it need not be asked.
+    /// Elastic domain, in which the law need not be evaluated.
     pub(super) domain: Option<&'a ElasticDomain>,
     pub(super) lanes: Lanes,
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
     pub(super) state: LawState<'a, S>,
-    pub(super) history: Memory<'a, S>,
+    /// Locations of the integration points, if the law uses them.
+    pub(super) locations: Option<&'a Locations<S>>,
+    pub(super) history: HistoryAccess<'a, S>,
     pub(super) exchange: &'a mut Exchange<S>,
     pub(super) nodes: &'a [Quad<f64>],
     pub(super) rates: Option<Rates<'a, A, S>>,
-    /// By place, if wanted.
+    /// Output, if required: forces by local node index.
     pub(super) out: Option<&'a mut [Quad<A>]>,
-    /// One per element, if wanted.
+    /// Output, if required: one summary per element.
     pub(super) survey: Option<&'a mut [Summary]>,
 }
 
@@ -176,52 +196,63 @@ where
     #[inline(always)]
     fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
-        let mut watch = Watch(L::splat(token, 0.0));
-        let wants_energy = self.survey.is_some()
-            || (self.rates.as_ref()).is_some_and(|rates| rates.books.is_some());
-        let damped = (self.rates.as_ref()).is_some_and(|rates| rates.damping != 0.0);
-        let wants_remaining = damped || self.moduli.hourglass != 0.0;
-        let at_once = self.exchange.prepare(N, P, L::WIDTH);
+        let mut check = FiniteCheck(L::splat(token, 0.0));
+        let rates = self.rates.as_ref();
+        let required = Required {
+            energy: self.survey.is_some() || rates.is_some_and(|rates| rates.bookkeeping.is_some()),
+            damping: rates.is_some_and(|rates| rates.damping != 0.0),
+            hourglass: self.moduli.hourglass != 0.0,
+        };
+        let capacity = self.exchange.prepare(N, P, L::WIDTH);
         let count = self.batches.count(L::WIDTH);
-        // How many of the last batches the law is still to be asked for.
-        let mut kept = 0;
+        // Number of the last batches for which the law is still to be evaluated.
+        let mut pending = 0;
         for index in 0..count {
             let (modes, strains) = self.deformed::<L>(token, index);
-            let elastic = self.elastic_answer::<L>(index, &strains);
+            let elastic = self.elastic_response::<L>(index, &strains);
             let mut end = index;
             if elastic.is_none() {
-                self.exchange.keep::<L, N, P>(token, kept, &modes, &strains);
-                kept += 1;
+                self.exchange
+                    .store::<L, N, P>(token, pending, &modes, &strains);
+                pending += 1;
                 end += 1;
             }
-            if kept == at_once || (kept > 0 && (elastic.is_some() || end == count)) {
-                let first = end - kept;
-                let wanted = (wants_energy, wants_remaining.then_some(damped));
-                let told = self.ask::<L>(first, kept, wanted);
-                for place in 0..kept {
-                    let modes = self.exchange.modes::<L, N>(token, place);
-                    let (stresses, energies) = self.exchange.answer::<L, P>(token, place, told);
-                    let answered = if wants_energy {
-                        Answered::WithEnergies(energies)
+            if pending == capacity || (pending > 0 && (elastic.is_some() || end == count)) {
+                let first = end - pending;
+                let has_energies = self.evaluate::<L>(first, pending, required);
+                for batch in 0..pending {
+                    let modes = self.exchange.modes::<L, N>(token, batch);
+                    let (changes, energies) =
+                        self.exchange.response::<L, P>(token, batch, has_energies);
+                    let response = if required.energy {
+                        Response::LawWithEnergies(energies)
                     } else {
-                        Answered::Plain
+                        Response::Law
                     };
-                    let remaining = if wants_remaining {
-                        Some(self.exchange.remaining::<L, P>(token, place))
+                    let remaining = if required.damping || required.hourglass {
+                        Some(self.exchange.remaining::<L, P>(token, batch))
                     } else {
                         None
                     };
-                    let answer = (stresses, answered, remaining);
-                    self.finish::<L>(first + place, modes, answer, &mut rows.0, &mut watch);
+                    let stress = BatchStress {
+                        changes,
+                        response,
+                        remaining,
+                    };
+                    self.finish::<L>(first + batch, modes, stress, &mut rows.0, &mut check);
                 }
-                kept = 0;
+                pending = 0;
             }
-            if let Some(stresses) = elastic {
-                let answer = (stresses, Answered::Elastic, None);
-                self.finish::<L>(index, modes, answer, &mut rows.0, &mut watch);
+            if let Some(changes) = elastic {
+                let stress = BatchStress {
+                    changes,
+                    response: Response::Elastic,
+                    remaining: None,
+                };
+                self.finish::<L>(index, modes, stress, &mut rows.0, &mut check);
             }
         }
-        watch.all_finite()
+        check.all_finite()
     }
 }
 
@@ -231,7 +262,7 @@ where
     A: BatchScalar,
     S: BatchScalar,
 {
-    /// Modes and strains of a batch.
+    /// Modal displacements and strains of a batch.
     #[inline(always)]
     fn deformed<L: BatchLane<Scalar = S>>(
         &self,
@@ -240,7 +271,7 @@ where
     ) -> ([[L; 3]; N], [Strain<L>; P]) {
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
         let geometry = Geometry::<L>::new(token, batch.geometry);
-        let nodes = self.batches.places.over(self.nodes);
+        let nodes = self.batches.connectivity.over(self.nodes);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
         let modes = self.kernel.modes(&nodal);
@@ -248,17 +279,16 @@ where
         (modes, strains)
     }
 
-    /// The changes of stress of a batch that has no history yet and is surely elastic: the law need
-    /// not be asked.
+    /// Changes of stress of a virgin batch inside the elastic domain, for which the law need not be evaluated.
     #[inline(always)]
-    fn elastic_answer<L: BatchLane<Scalar = S>>(
+    fn elastic_response<L: BatchLane<Scalar = S>>(
         &mut self,
         batch: usize,
         strains: &[Strain<L>; P],
     ) -> Option<[Stress<L>; P]> {
         let domain = self.domain?;
-        if let Memory::Write(history) = &mut self.history {
-            history.retry(batch);
+        if let HistoryAccess::Write(history) = &mut self.history {
+            history.discard_trial(batch);
         }
         if self.history.get().committed(batch).is_some() {
             return None;
@@ -286,52 +316,58 @@ where
         Some(changes)
     }
 
-    /// Whether a batch was in the account of the step before, if there is one.
+    /// Whether a batch had energy bookkeeping at the previous step.
     #[inline(always)]
     fn was_booked(&self, batch: usize) -> bool {
-        let books = self.rates.as_ref().and_then(|rates| rates.books.as_ref());
-        books.is_some_and(|books| books.kept.booked[batch])
+        let rates = self.rates.as_ref();
+        let bookkeeping = rates.and_then(|rates| rates.bookkeeping.as_ref());
+        bookkeeping.is_some_and(|bookkeeping| bookkeeping.previous.booked[batch])
     }
 
-    /// Forces and books of a batch with its changes of stress.
+    /// Forces, summaries and energy bookkeeping of a batch with its changes of stress.
     #[inline(always)]
     fn finish<L: BatchLane<Scalar = S>>(
         &mut self,
         index: usize,
         mut modes: [[L; 3]; N],
-        (mut stresses, answered, remaining): Answer<L, P>,
+        stress: BatchStress<L, P>,
         rows: &mut [[[S; 4]; MOST_LANES]; N],
-        watch: &mut Watch<L>,
+        check: &mut FiniteCheck<L>,
     ) {
+        let BatchStress {
+            changes: mut stresses,
+            response,
+            remaining,
+        } = stress;
         let token = stresses[0].0[0].token();
         let one = L::splat(token, 1.0);
-        // What is left of the hourglass stiffness.
-        let mut path = one;
+        // Remaining share of the hourglass stiffness.
+        let mut share = one;
         if let (Some(remaining), true) = (&remaining, self.moduli.hourglass != 0.0) {
-            path = remaining[0].of_path;
+            share = remaining[0].hourglass;
             for point in &remaining[1..] {
-                path = path + point.of_path;
+                share = share + point.hourglass;
             }
-            path = path * path.constant(1.0 / P as f64);
-            path = path.max(path.constant(LEAST_RESISTANCE));
+            share = share * share.constant(1.0 / P as f64);
+            share = share.max(share.constant(LEAST_HOURGLASS_SHARE));
         }
         let whole = L::splat(token, self.moduli.hourglass);
-        let modulus = whole * path;
+        let modulus = whole * share;
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
         let geometry = Geometry::<L>::new(token, batch.geometry);
-        if let (Memory::Write(history), true) = (&mut self.history, batch.active.is_some()) {
+        if let (HistoryAccess::Write(history), true) = (&mut self.history, batch.active.is_some()) {
             for lane in 0..L::WIDTH {
                 if !batch.has(batch.arrangement.element_in[lane]) {
-                    history.take_back(index, lane);
+                    history.revert_lane(index, lane);
                 }
             }
         }
         let volumes = self.kernel.volumes(geometry);
-        let asked = !matches!(answered, Answered::Elastic);
-        let points = match answered {
-            Answered::WithEnergies(energies) => Some(energies),
-            Answered::Elastic if self.was_booked(index) => Some(None),
-            Answered::Elastic | Answered::Plain => None,
+        let by_law = !matches!(response, Response::Elastic);
+        let points = match response {
+            Response::LawWithEnergies(energies) => Some(energies),
+            Response::Elastic if self.was_booked(index) => Some(None),
+            Response::Elastic | Response::Law => None,
         };
         let energy = match &points {
             Some(points) => {
@@ -352,30 +388,31 @@ where
         if let Some(rates) = &mut self.rates
             && (rates.damping != 0.0 || energy.is_some())
         {
-            let velocity = self.batches.places.over(rates.velocity);
+            let velocity = self.batches.connectivity.over(rates.velocity);
             let velocity = velocity.elements(batch.first, L::WIDTH);
             let mut nodal = [[L::splat(token, 0.0); 3]; N];
             gather::<A, L, N>(token, velocity, &mut nodal);
             let zero = L::splat(token, 0.0);
             let modal_rates = self.kernel.modes(&nodal);
             let strain_rates = self.kernel.strains(geometry, &modal_rates);
-            // What was left of the hourglass stiffness a step before.
-            let place = (index * (P + 1) + P) * L::WIDTH;
-            let mut path_before = one;
-            if let Some(books) = &rates.books {
-                path_before = L::load(token, &books.kept.left[place..]);
+            // Remaining share of the hourglass stiffness at the previous step.
+            let of_share = (index * (P + 1) + P) * L::WIDTH;
+            let mut share_before = one;
+            if let Some(bookkeeping) = &rates.bookkeeping {
+                share_before = L::load(token, &bookkeeping.previous.shares[of_share..]);
             }
-            if let (Some(books), Some(energy)) = (&mut rates.books, energy) {
+            if let (Some(bookkeeping), Some(energy)) = (&mut rates.bookkeeping, energy) {
+                let (previous, sums) = (&mut bookkeeping.previous, &mut *bookkeeping.sums);
                 let numbers = 6 * P * L::WIDTH;
-                let before = &mut books.kept.stresses[index * numbers..(index + 1) * numbers];
-                let enters = !core::mem::replace(&mut books.kept.booked[index], asked);
+                let before = &mut previous.stresses[index * numbers..(index + 1) * numbers];
+                let enters = !core::mem::replace(&mut previous.booked[index], by_law);
                 if enters {
                     // The step began under Hooke's law.
                     let strains = self.kernel.strains(geometry, &modes);
                     let began = earlier(self.moduli, rates.step, &strains, &strain_rates);
                     write_all(&began, before);
-                    let held = complementary_energy(self.moduli, &volumes, &began);
-                    books.sums.enter(held, &batch);
+                    let stored = complementary_energy(self.moduli, &volumes, &began);
+                    sums.enter(stored, &batch);
                 }
                 let work = step_work(
                     &geometry,
@@ -385,23 +422,21 @@ where
                     &strain_rates,
                     before,
                 );
-                if asked {
-                    books.sums.add(work, &energy, &batch);
+                if by_law {
+                    sums.add(work, &energy, &batch);
                 } else {
-                    books.sums.leave(work, energy.sum.stored, &batch);
+                    sums.leave(work, energy.sum.stored, &batch);
                 }
-                // Hourglass energy is given up as its stiffness falls: half of the fall times the product
-                // of the strains before and after the step.
-                let before = if enters { one } else { path_before };
-                path.store(&mut books.kept.left[place..]);
-                let fallen = before - path;
+                // Hourglass energy is lost as its stiffness falls: half of the fall times the product of the
+                // deformations before and after the step.
+                let before = if enters { one } else { share_before };
+                share.store(&mut previous.shares[of_share..]);
+                let fallen = before - share;
                 if fallen.any(zero.less(fallen.abs())) {
                     let moved = times(&modal_rates, L::splat(token, rates.step));
                     let began = less(&modes, &moved);
                     let product = product(self.kernel, geometry, whole, [&modes, &began, &moved]);
-                    books
-                        .sums
-                        .release(fallen * product * fallen.constant(0.5), &batch);
+                    sums.release(fallen * product * fallen.constant(0.5), &batch);
                 }
             }
             let lambda = L::splat(token, rates.damping * self.moduli.lambda);
@@ -422,10 +457,11 @@ where
                 }
                 stresses[p] = stresses[p] + damping_stresses[p];
             }
-            if let (Some(books), true) = (&mut rates.books, rates.damping != 0.0) {
-                let left = &mut books.kept.left[index * (P + 1) * L::WIDTH..];
-                if !books.kept.velocity.is_empty() {
-                    let velocity = self.batches.places.over(books.kept.velocity);
+            if let (Some(bookkeeping), true) = (&mut rates.bookkeeping, rates.damping != 0.0) {
+                let (previous, sums) = (&mut bookkeeping.previous, &mut *bookkeeping.sums);
+                let stored_shares = &mut previous.shares[index * (P + 1) * L::WIDTH..];
+                if !previous.velocity.is_empty() {
+                    let velocity = self.batches.connectivity.over(previous.velocity);
                     let velocity = velocity.elements(batch.first, L::WIDTH);
                     gather::<f64, L, N>(token, velocity, &mut nodal);
                     let modal_before = self.kernel.modes(&nodal);
@@ -434,7 +470,7 @@ where
                     for p in 0..P {
                         let before = Stress::elastic(lambda, shear, &rates_before[p]);
                         let before = before.work(&strain_rates[p]);
-                        let before = before * L::load(token, &left[p * L::WIDTH..]);
+                        let before = before * L::load(token, &stored_shares[p * L::WIDTH..]);
                         let both = before + damping_stresses[p].work(&strain_rates[p]);
                         power = both.mul_add(volumes[p], power);
                     }
@@ -445,17 +481,15 @@ where
                         let mixed = product(self.kernel, geometry, whole, mixed);
                         let own = [&modal_rates, &modal_rates, &still];
                         let own = product(self.kernel, geometry, whole, own);
-                        let both = path_before.mul_add(mixed, path * own);
+                        let both = share_before.mul_add(mixed, share * own);
                         power = both.mul_add(L::splat(token, rates.damping), power);
                     }
-                    books
-                        .sums
-                        .damp(power * power.constant(0.5 * rates.step), &batch);
+                    sums.damp(power * power.constant(0.5 * rates.step), &batch);
                 }
                 for p in 0..P {
-                    shares[p].store(&mut left[p * L::WIDTH..]);
+                    shares[p].store(&mut stored_shares[p * L::WIDTH..]);
                 }
-                path.store(&mut left[P * L::WIDTH..]);
+                share.store(&mut stored_shares[P * L::WIDTH..]);
             }
             let damping = L::splat(token, rates.damping);
             for a in 0..N {
@@ -465,7 +499,7 @@ where
             }
         }
         for p in 0..P {
-            watch.see(&stresses[p]);
+            check.add(&stresses[p]);
         }
         let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
         let forces = self.kernel.nodal_forces(&forces);
@@ -474,57 +508,63 @@ where
         }
     }
 
-    /// Asks the law for successive batches, whose strains are kept, for energies and for what is left of
-    /// the stiffness, all of it or that of the path alone; writes the new histories. Returns whether energies
-    /// were wanted and told.
+    /// Evaluates the law for successive batches, whose strains are in the exchange buffers, with the required
+    /// output; writes new history variables. Returns whether energies are required and the law has them.
     #[inline(always)]
-    fn ask<L: BatchLane<Scalar = S>>(
+    fn evaluate<L: BatchLane<Scalar = S>>(
         &mut self,
         first: usize,
         count: usize,
-        (wants_energy, wants_remaining): (bool, Option<bool>),
+        required: Required,
     ) -> bool {
         let initial = self.state.initial;
-        let (strains, stresses, energies, numbers) = self.exchange.of_points(P * count, L::WIDTH);
-        let remaining = match wants_remaining {
-            Some(all) => Some(Wanted { numbers, all }),
-            None => None,
+        let PointBuffers {
+            strains,
+            stresses,
+            energies,
+            remaining,
+        } = self.exchange.of_points(P * count, L::WIDTH);
+        let remaining = if required.damping || required.hourglass {
+            Some(RemainingOutput {
+                numbers: remaining,
+                all: required.damping,
+            })
+        } else {
+            None
         };
-        self.law.answer(
+        self.law.evaluate(
             self.lanes,
-            Question {
+            Evaluation {
                 first,
                 points: P,
                 strains,
                 initial: (!initial.is_empty()).then(|| &initial[6 * first * L::WIDTH..]),
                 extents: self.state.extents,
-                memory: &mut self.history,
+                locations: self.locations,
+                history: &mut self.history,
                 stresses,
-                energies: if wants_energy { Some(energies) } else { None },
+                energies: if required.energy {
+                    Some(energies)
+                } else {
+                    None
+                },
                 remaining,
             },
         )
     }
 }
 
-/// Changes of stress of a batch, how they were found, and what is left of the stiffness if that is wanted.
-type Answer<L, const P: usize> = (
-    [Stress<L>; P],
-    Answered<L, P>,
-    Option<[RemainingStiffness<L>; P]>,
-);
-
 /// Energies of a batch in a step (J).
 pub(super) struct Energy<L> {
-    /// Of all points.
+    /// Energies of all points of an element.
     pub(super) sum: LawEnergy<L>,
-    /// Whether the law told them; else there is only what an undamaged medium holds.
-    pub(super) told: bool,
+    /// Whether they are the law's own; otherwise they are the stored energy of an undamaged medium.
+    pub(super) of_law: bool,
 }
 
 impl<L: BatchLane> Energy<L> {
-    /// Integrates the energies of the points, or takes those of an undamaged medium under these
-    /// stresses. No closure tells the latter: it could be compiled on its own, for the oldest processor.
+    /// Integrates the energies of the points, or computes those of an undamaged medium with these stresses.
+    /// Without closures, which could be compiled on their own, without the instructions of the lane.
     #[inline(always)]
     fn over<const P: usize>(
         points: Option<&[LawEnergy<L>; P]>,
@@ -533,12 +573,7 @@ impl<L: BatchLane> Energy<L> {
         stresses: &[Stress<L>; P],
     ) -> Self {
         let zero = volumes[0].constant(0.0);
-        let mut sum = LawEnergy {
-            stored: zero,
-            plastic: zero,
-            damage: zero,
-            recovered: zero,
-        };
+        let mut sum = LawEnergy::stored(zero);
         match points {
             Some(points) => {
                 for (point, &volume) in points.iter().zip(volumes) {
@@ -552,7 +587,7 @@ impl<L: BatchLane> Energy<L> {
         }
         Self {
             sum,
-            told: points.is_some(),
+            of_law: points.is_some(),
         }
     }
 }

@@ -1,16 +1,18 @@
-//! What damage and flow leave of stiffness damping and of hourglass resistance.
+//! Stiffness damping and hourglass stiffness that remain after damage and plastic flow.
 
 use powerhouse_model::{ElementKernel, Geometry, RemainingStiffness, Strain, Stress};
 
 use crate::lanes::BatchLane;
 
-/// The share of hourglass stiffness that stays whatever damage leaves: a mode without any would
-/// grow until its neighbours stop it.
-pub(super) const LEAST_RESISTANCE: f64 = 0.01;
+/// Least share of the hourglass stiffness, whatever damage leaves: an hourglass mode without stiffness
+/// would grow until its neighbours stop it.
+pub(super) const LEAST_HOURGLASS_SHARE: f64 = 0.01;
 
-/// The share of stiffness damping that acts at a point in a step of some length (s): what damage leaves, of the strain
-/// that is elastic. Without it a crack that opens fast would pull by the velocity of its sides, and flow
-/// overshoot its strength.
+/// Share of stiffness damping that acts at a point in a step of a length (s): the share that damage leaves,
+/// times the elastic share of the strain increment.
+///
+/// Without it the velocity of the faces of an opening crack would transmit tension, and plastic flow would
+/// overshoot the strength.
 #[inline(always)]
 pub(super) fn damped_share<L: BatchLane>(
     remaining: &RemainingStiffness<L>,
@@ -19,10 +21,10 @@ pub(super) fn damped_share<L: BatchLane>(
     step: f64,
 ) -> L {
     let (zero, one) = (resisted.0[0].constant(0.0), resisted.0[0].constant(1.0));
-    let moved = resisted.work(rate) * one.constant(step);
-    let flowed = resisted.work(&Strain(remaining.flowed));
-    let some = zero.less(moved);
-    let elastic = one - flowed / moved.select(some, one);
+    let total = resisted.work(rate) * one.constant(step);
+    let plastic = resisted.work(&Strain(remaining.plastic_strain_increment));
+    let some = zero.less(total);
+    let elastic = one - plastic / total.select(some, one);
     let elastic = elastic.min(one).max(zero).select(some, one);
     remaining.undamaged * elastic
 }
@@ -39,7 +41,7 @@ pub(super) fn times<L: BatchLane, const N: usize>(modes: &[[L; 3]; N], factor: L
     out
 }
 
-/// Modal values less others.
+/// Difference of modal values.
 #[inline(always)]
 pub(super) fn less<L: BatchLane, const N: usize>(
     modes: &[[L; 3]; N],
@@ -54,8 +56,8 @@ pub(super) fn less<L: BatchLane, const N: usize>(
     out
 }
 
-/// The hourglass form of two modal vectors, given with their difference: that of one and itself is
-/// twice its energy.
+/// Bilinear form of the hourglass stiffness of two modal vectors, given with their difference; that of a
+/// vector with itself is twice its energy.
 #[inline(always)]
 pub(super) fn product<K, L, const N: usize, const P: usize>(
     kernel: &K,

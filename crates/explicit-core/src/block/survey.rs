@@ -1,4 +1,4 @@
-//! Stress and energy of each element, as the forces are computed.
+//! Mean stress and stored energies of elements.
 
 use powerhouse_model::{Geometry, Strain, Stress};
 
@@ -7,18 +7,18 @@ use super::operations::Moduli;
 
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES};
 
-/// What is known of one element.
+/// Mean stress and stored energies of one element.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Summary {
     /// Mean change of stress over the volume (Pa).
     pub(super) stress: Stress,
-    /// Energy held by elastic strain (J).
+    /// Stored strain energy (J).
     pub(super) elastic: f64,
-    /// Energy held by hourglass resistance (J).
+    /// Energy stored by hourglass forces (J).
     pub(super) hourglass: f64,
 }
 
-/// Calls `put(element, number)` for every element of a batch that takes part.
+/// Calls `put(element, number)` for every active element of a batch.
 #[inline(always)]
 pub(super) fn each_lane<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
     value: L,
@@ -37,7 +37,7 @@ pub(super) fn each_lane<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize
     }
 }
 
-/// Writes the mean stress of a batch.
+/// Writes the mean stress of each element of a batch.
 #[inline(always)]
 pub(super) fn write_mean<
     L: BatchLane<Scalar = S>,
@@ -63,7 +63,7 @@ pub(super) fn write_mean<
     }
 }
 
-/// `1/2 sum_p sigma : epsilon V`, for linear laws.
+/// Strain energy `1/2 sum_p sigma : epsilon V` of linear laws.
 #[inline(always)]
 pub(super) fn linear_energy<L: BatchLane, const P: usize>(
     volumes: &[L; P],
@@ -78,7 +78,7 @@ pub(super) fn linear_energy<L: BatchLane, const P: usize>(
     half * energy
 }
 
-/// `1/2 sum_p sigma : C^-1 : sigma V`: what unloading would give back.
+/// Complementary energy `1/2 sum_p sigma : C^-1 : sigma V`, which elastic unloading would return.
 #[inline(always)]
 pub(super) fn complementary_energy<L: BatchLane, const P: usize>(
     moduli: Moduli,
@@ -102,7 +102,7 @@ pub(super) fn complementary_energy<L: BatchLane, const P: usize>(
     energy
 }
 
-/// Elastic stresses a step (s) before these strains, which change at these rates (1/s).
+/// Elastic stresses one step (s) before some strains, which change at some rates (1/s).
 #[inline(always)]
 pub(super) fn earlier<L: BatchLane, const P: usize>(
     moduli: Moduli,
@@ -123,7 +123,7 @@ pub(super) fn earlier<L: BatchLane, const P: usize>(
     stresses
 }
 
-/// Writes stresses where [`step_work`] takes those of the step before from.
+/// Stores stresses as those of the previous step for [`step_work`].
 #[inline(always)]
 pub(super) fn write_all<L: BatchLane<Scalar = S>, S: BatchScalar, const P: usize>(
     stresses: &[Stress<L>; P],
@@ -136,8 +136,8 @@ pub(super) fn write_all<L: BatchLane<Scalar = S>, S: BatchScalar, const P: usize
     }
 }
 
-/// Work of a step, `1/2 sum_p (sigma_0 + sigma_1) : rate dt V`; takes the stresses before it from
-/// `stored` (six numbers per point) and leaves those after it there.
+/// Work of a step, `1/2 sum_p (sigma_0 + sigma_1) : rate dt V`, with the stresses before it from `stored`
+/// (six numbers per point), which those after it replace.
 #[inline(always)]
 pub(super) fn step_work<L: BatchLane<Scalar = S>, S: BatchScalar, const P: usize>(
     geometry: &Geometry<L>,
@@ -151,9 +151,9 @@ pub(super) fn step_work<L: BatchLane<Scalar = S>, S: BatchScalar, const P: usize
     for p in 0..P {
         let mut both = stresses[p];
         for i in 0..6 {
-            let place = (6 * p + i) * L::WIDTH;
-            let before = L::load(sum.token(), &stored[place..]);
-            both.0[i].store(&mut stored[place..]);
+            let index = (6 * p + i) * L::WIDTH;
+            let before = L::load(sum.token(), &stored[index..]);
+            both.0[i].store(&mut stored[index..]);
             both.0[i] = both.0[i] + before;
         }
         sum = both.work(&rates[p]).mul_add(volumes[p], sum);

@@ -1,4 +1,4 @@
-//! From nodes to lanes and back.
+//! Gather of nodal values into lanes, and scatter of forces to nodes.
 
 use powerhouse_model::{Quad, Scalar, Vec3};
 
@@ -7,10 +7,10 @@ use super::exchange::{Exchange, Exchanges};
 use super::memory::NodesOf;
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES, Rows};
 
-/// Nodal values of a batch, one element per lane.
+/// Gathers the nodal values of a batch, one element per lane.
 ///
-/// Where nodes are stored in more digits than elements are computed in, values are taken against
-/// those of the element's first node, in the nodes' digits: only differences enter a strain.
+/// Where nodes are stored in a higher precision than elements are computed in, values are taken relative to
+/// those of the element's first node, in the precision of the nodes: only differences enter a strain.
 #[inline(always)]
 pub(super) fn gather<A, L, const N: usize>(
     token: L::Token,
@@ -44,7 +44,7 @@ pub(super) fn gather<A, L, const N: usize>(
     }
 }
 
-/// Adds forces to the nodes of a batch, element after element, whatever the width.
+/// Adds forces to the nodes of a batch, element after element, for any width.
 #[inline(always)]
 pub(super) fn scatter<A, L, const N: usize>(
     forces: &[[L; 3]; N],
@@ -60,12 +60,12 @@ pub(super) fn scatter<A, L, const N: usize>(
     }
     let whole = batch.is_whole(L::WIDTH);
     for j in 0..L::WIDTH {
-        batch.ask_ahead(j, L::WIDTH);
+        batch.prefetch(j, L::WIDTH);
         if !whole && !batch.has(j) {
             continue;
         }
         for a in 0..N {
-            let sum = &mut out[batch.places[j][a] as usize].values;
+            let sum = &mut out[batch.connectivity[j][a] as usize].values;
             for c in 0..4 {
                 sum[c] = sum[c] + convert(rows[a][j][c]);
             }
@@ -73,7 +73,7 @@ pub(super) fn scatter<A, L, const N: usize>(
     }
 }
 
-/// Nodal values of a block by place, so that its elements read a small contiguous piece of memory.
+/// Nodal values of a block by local node index, so that its elements read a small contiguous piece of memory.
 #[derive(Debug, Default)]
 pub(super) struct Locals {
     /// Displacement since the reference (m).
@@ -83,11 +83,11 @@ pub(super) struct Locals {
     single: Vec<Quad<f32>>,
 }
 
-/// A scalar that velocities and forces of nodes are stored in, and elements computed in.
+/// Scalar type of nodal velocities and forces, and of the arithmetic of elements.
 pub(super) trait NodeScalar: BatchScalar {
-    /// The local displacements, and the local velocities in this storage.
+    /// Local displacements, and local velocities in this scalar type.
     fn local(locals: &mut Locals) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<Self>>);
-    /// The exchange in this scalar.
+    /// The exchange buffers in this scalar type.
     fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<Self>;
 }
 
@@ -116,14 +116,14 @@ impl Locals {
         double: Vec::new(),
         single: Vec::new(),
     };
-    /// The displacement that was last used at a place (m), zero if none was.
-    pub(super) fn displacement(&self, place: usize) -> Vec3 {
-        let value = self.displacement.get(place);
+    /// The last displacement of a node (m) by local index, zero if there is none.
+    pub(super) fn displacement(&self, node: usize) -> Vec3 {
+        let value = self.displacement.get(node);
         value.map_or_else(Vec3::zeros, |value| value.to_vector())
     }
 }
 
-/// Copies the values of a block's nodes; the run of neighbours that it begins with, as a whole.
+/// Copies the values of the nodes of a block; its first run of successive numbers as a whole.
 pub(super) fn copy_nodes<A: BatchScalar>(
     nodes: &[Quad<A>],
     of: &BlockNodes,
@@ -135,12 +135,12 @@ pub(super) fn copy_nodes<A: BatchScalar>(
     to.extend(rest.iter().map(|&node| nodes[node as usize]));
 }
 
-/// Engine numbers of the nodes of a block, by place.
+/// Engine numbers of the nodes of a block, by local node index.
 #[derive(Debug)]
 pub(super) struct BlockNodes {
-    /// All of them.
+    /// Engine numbers of all nodes.
     pub(super) numbers: Vec<u32>,
-    /// The longest run of successive numbers that they begin with.
+    /// The longest run of successive numbers at the start.
     run: core::ops::Range<usize>,
 }
 
@@ -155,7 +155,7 @@ impl BlockNodes {
     }
 }
 
-/// From one scalar to the other, rounded.
+/// A number converted to another scalar type, rounded.
 #[inline(always)]
 fn convert<A: Scalar, B: Scalar>(value: A) -> B {
     B::from_f64(value.to_f64())

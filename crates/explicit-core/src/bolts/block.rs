@@ -130,7 +130,7 @@ impl BoltBlock {
                     }
                 };
                 let element = bolt.hosts[segment];
-                ElementFault { element, reason }
+                ElementFault::new(element, reason)
             })?;
         }
         Ok(())

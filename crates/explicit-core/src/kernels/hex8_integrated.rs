@@ -1,24 +1,25 @@
-//! The eight-node brick with 2 x 2 x 2 points, plain and with mean dilatation.
+//! Eight-node bricks with 2 x 2 x 2 integration points, without and with mean dilatation.
 
 use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
 
 use super::hexahedron::{self, GAUSS, MODE_NUMBERS};
+use super::positions;
 use super::vectors::{Matrix, cofactors, outer_sum, product, scaled, strain_of, stress_matrix};
 
-/// The Jacobian has columns of 8 times its size: `8^3` in its determinant.
+/// Factor of the determinant of the Jacobian, whose columns are computed times 8.
 const SCALE: f64 = 1.0 / 512.0;
 
-/// The trilinear brick with 2 x 2 x 2 Gauss points.
+/// Trilinear eight-node brick with 2 x 2 x 2 Gauss points.
 ///
-/// It sees every mode, is exact for parallelepipeds, too stiff in bending, and locks as the
-/// material becomes incompressible; [`Hex8BBar`] cures the latter.
+/// It has no hourglass modes, is exact for parallelepipeds, too stiff in bending, and locks as the material
+/// becomes incompressible; [`Hex8BBar`] does not lock there.
 ///
-/// Its geometry is the modes of the corner positions; Jacobians are formed at every use, which is
+/// Its geometry numbers are the modes of the corner positions; Jacobians are formed at every use, which is
 /// faster than reading them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hex8Full;
 
-/// The trilinear brick with 2 x 2 x 2 Gauss points and the mean dilatation of the element.
+/// Trilinear eight-node brick with 2 x 2 x 2 Gauss points and the mean dilatation of the element (B-bar).
 ///
 /// The volumetric part of the strain at each point is replaced by its mean over the volume:
 /// `e = dev(e_p) + (1/3) I (1/V) sum_p tr(e_p) V_p`.
@@ -101,7 +102,7 @@ fn forces<L: Lane>(geometry: &Geometry<L>, stresses: &[Stress<L>; 8]) -> [[L; 3]
     forces
 }
 
-/// The mean over the volume of what has the values `values` at the points.
+/// Mean over the volume of values at the integration points.
 #[inline(always)]
 fn volume_mean<L: Lane>(volumes: &[L; 8], values: &[L; 8]) -> L {
     let mut sum = volumes[0] * values[0];
@@ -113,8 +114,8 @@ fn volume_mean<L: Lane>(volumes: &[L; 8], values: &[L; 8]) -> L {
     sum / volume
 }
 
-/// What to add to the normal components at each point, so that a third of the trace becomes its
-/// mean over the volume.
+/// Additions to the normal components at each point, by which a third of the trace becomes its mean over the
+/// volume.
 #[inline(always)]
 fn volumetric_shifts<L: Lane>(volumes: &[L; 8], tensors: &[[L; 6]; 8]) -> [L; 8] {
     let third = volumes[0].constant(1.0 / 3.0);
@@ -145,6 +146,9 @@ macro_rules! integrated_hexahedron {
             }
             fn geometry(&self, corners: &[Vec3; 8], out: &mut [f64]) {
                 out.copy_from_slice(hexahedron::position_modes(corners).as_flattened());
+            }
+            fn point_positions(&self, corners: &[Vec3; 8]) -> [Vec3; 8] {
+                positions(ElementKind::Hex8, corners, GAUSS)
             }
             #[inline(always)]
             fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 8] {
@@ -183,7 +187,7 @@ macro_rules! integrated_hexahedron {
     };
 }
 
-/// Strains with the mean dilatation.
+/// Strains with the mean dilatation of the element.
 #[inline(always)]
 fn averaged_strains<L: Lane>(geometry: &Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 8] {
     let mut strains = strains(geometry, modes);
@@ -200,7 +204,7 @@ fn averaged_strains<L: Lane>(geometry: &Geometry<L>, modes: &[[L; 3]; 8]) -> [St
     strains
 }
 
-/// Forces that do the work of the stresses on the averaged strains.
+/// Forces that are work-conjugate to the strains with mean dilatation.
 #[inline(always)]
 fn averaged_forces<L: Lane>(geometry: &Geometry<L>, stresses: &[Stress<L>; 8]) -> [[L; 3]; 8] {
     let mut stresses = *stresses;

@@ -1,24 +1,26 @@
-//! The eight-node brick with one point and hourglass stiffness.
+//! Eight-node brick with one integration point and hourglass stiffness.
 
 use powerhouse_model::{
     ElementKernel, ElementKind, Geometry, Lane, ParameterError, Strain, Stress, Vec3,
 };
 
 use super::hexahedron;
+use super::positions;
 use super::vectors::{
     Matrix, cross, cross_sum, dot, dot_sum, outer_sum, scaled, scaled_sum, strain_of, stress_matrix,
 };
 
-/// Where the numbers of an element begin: `X_k / sqrt V` of the linear modes, `8 X_a` of the others.
+/// Indices of the geometry numbers: `X_k / sqrt V` of the linear modes, `8 X_a` of the others.
 const LINEAR: usize = 0;
 const BENT: usize = 9;
 const VOLUME: usize = 21;
-/// `1 / (8 sqrt V)`, which turns `8 X_a` into `X_a / sqrt V`.
+/// Index of `1 / (8 sqrt V)`, which turns `8 X_a` into `X_a / sqrt V`.
 const SHRINK: usize = 22;
-/// `c / (lambda + 2 G)`.
+/// Index of the hourglass factor `c / (lambda + 2 G)`.
 const RESISTANCE: usize = 23;
 
-/// The uniform-strain brick: mean gradient over the volume, stiffness against hourglass modes.
+/// Uniform-strain eight-node brick: mean displacement gradient over the volume, with stiffness against
+/// hourglass modes.
 ///
 /// The displacement gradient is the exact mean over the trilinear brick, `(1/V) integral of
 /// grad N dV = (1/V) dV/dx_a`, so that distorted meshes pass the patch test. With the modes `X_k` of the
@@ -42,8 +44,8 @@ const RESISTANCE: usize = 23;
 /// wave that arrives at 60 degrees in ground of Poisson's ratio 0.49 errs by 0.215 at the surface with the
 /// whole of `lambda + 2 G`.
 ///
-/// The resistance falls with what the law has left of its stiffness
-/// ([`RemainingStiffness::of_path`](powerhouse_model::RemainingStiffness)), to a hundredth at least.
+/// The hourglass stiffness falls with the share that remains by the law
+/// ([`RemainingStiffness::hourglass`](powerhouse_model::RemainingStiffness)), to a hundredth at least.
 ///
 /// Source: D. P. Flanagan and T. Belytschko, A uniform strain hexahedron and quadrilateral with
 /// orthogonal hourglass control, Int. J. Numer. Meth. Engng 17 (1981) 679-706.
@@ -53,22 +55,22 @@ pub struct Hex8OnePoint {
     /// stiffness near `0.22 E / (lambda + 2 G)`; lower values are softer. Below 0.01 a mesh may
     /// show the modes.
     pub hourglass: f64,
-    /// The most that `hourglass (lambda + 2 G)` may be over `G`: 1.5 by default, which Poisson's ratios
-    /// above 0.464 reach; infinite where a coefficient is given.
+    /// Upper bound (1) of `hourglass (lambda + 2 G) / G`: 1.5 by default, which Poisson's ratios above 0.464
+    /// reach; infinite where a coefficient is given.
     pub most_shear: f64,
 }
 
 impl Hex8OnePoint {
-    /// With the default hourglass coefficient.
+    /// The brick with the default hourglass coefficient.
     pub const DEFAULT: Self = Self {
         hourglass: 0.1,
         most_shear: 1.5,
     };
 
-    /// With a hourglass coefficient from 0.001 to 1, whatever Poisson's ratio.
+    /// The brick with an hourglass coefficient from 0.001 to 1, for any Poisson's ratio.
     ///
     /// # Errors
-    /// If it is outside.
+    /// A coefficient out of range.
     pub fn new(hourglass: f64) -> Result<Self, ParameterError> {
         ParameterError::check("hourglass", hourglass, 1e-3, 1.0)?;
         Ok(Self {
@@ -84,7 +86,7 @@ impl Default for Hex8OnePoint {
     }
 }
 
-/// `d(V/8) / dX_k` for `k = 1..6`, where the last three `X_k` are given as multiples by
+/// Volume gradients `d(V/8) / dX_k` for `k = 1..6`, where the last three `X_k` are given as multiples by
 /// `1 / shrink`.
 #[inline(always)]
 fn volume_gradients<L: Lane>([x1, x2, x3]: [[L; 3]; 3], y: &[[L; 3]; 4], shrink: L) -> [[L; 3]; 6] {
@@ -101,7 +103,7 @@ fn volume_gradients<L: Lane>([x1, x2, x3]: [[L; 3]; 3], y: &[[L; 3]; 4], shrink:
     ]
 }
 
-/// What the displacement is measured with: `g_k / V` and `8 X_a`.
+/// Shape of an element: `g_k / V` and `8 X_a`.
 struct Shape<L> {
     gradients: [[L; 3]; 6],
     bent: [[L; 3]; 4],
@@ -132,7 +134,7 @@ impl<L: Lane> Shape<L> {
         let [_, s1, s2, s3, s4, s5, s6, _] = *modes;
         outer_sum([s1, s2, s3, s4, s5, s6], self.gradients)
     }
-    /// The hourglass strains `q_a`.
+    /// Hourglass strains `q_a`.
     #[inline(always)]
     fn hourglass_strains(&self, gradient: &Matrix<L>, modes: &[[L; 3]; 8]) -> [[L; 3]; 4] {
         let mut strains = [modes[4], modes[5], modes[6], modes[7]];
@@ -175,6 +177,9 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
         out[VOLUME] = volume;
         out[SHRINK] = 0.125 / root;
         out[RESISTANCE] = 0.5 * self.hourglass * squares / volume;
+    }
+    fn point_positions(&self, corners: &[Vec3; 8]) -> [Vec3; 1] {
+        positions(ElementKind::Hex8, corners, [[0.0; 3]])
     }
     #[inline(always)]
     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 1] {

@@ -1,4 +1,4 @@
-//! What the hexahedra share: the modes of eight corners, and the Jacobian in terms of them.
+//! Common functions of the hexahedra: modes of eight corners, and the Jacobian in terms of them.
 
 use powerhouse_model::{Lane, Vec3};
 
@@ -16,7 +16,7 @@ pub(super) const CORNERS: [[f64; 3]; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
-/// Numbers of one element: seven modes of the position, the constant one left out.
+/// Geometry numbers of one element: seven modes of the position, without the constant one.
 pub(super) const MODE_NUMBERS: usize = 21;
 
 /// Sums of eight corner values with the signs of `1, r, s, t, st, tr, rs, rst`.
@@ -57,7 +57,7 @@ pub(super) fn modes<L: Lane>(v: &[[L; 3]; 8]) -> [[L; 3]; 8] {
     modes
 }
 
-/// The transpose of [`modes`], for modal forces without a constant part.
+/// Nodal forces from modal forces without a constant part, the transpose of [`modes`].
 #[inline(always)]
 pub(super) fn nodal_forces<L: Lane>(f: &[[L; 3]; 8]) -> [[L; 3]; 8] {
     let mut forces = *f;
@@ -79,7 +79,7 @@ pub(super) fn nodal_forces<L: Lane>(f: &[[L; 3]; 8]) -> [[L; 3]; 8] {
     forces
 }
 
-/// The modes of the corner positions, the constant one left out, side by side.
+/// Modes of the corner positions, without the constant one.
 pub(super) fn position_modes(corners: &[Vec3; 8]) -> [[f64; 3]; 7] {
     let centre: Vec3 = corners.iter().sum::<Vec3>() / 8.0;
     let relative = corners.map(|corner| {
@@ -124,7 +124,7 @@ fn natural<L: Lane>([r, s, t]: [f64; 3], any: L) -> (L, L, L) {
     (any.constant(r), any.constant(s), any.constant(t))
 }
 
-/// Derivatives along r, s, t at a point, times 8, of what has the modes `m` (constant left out).
+/// Derivatives along r, s, t at a point, times 8, of a field with the modes `m` (without the constant one).
 #[inline(always)]
 pub(super) fn columns<L: Lane>(m: &[[L; 3]; 7], point: [f64; 3], one: L) -> [[L; 3]; 3] {
     let (r, s, t) = natural(point, one);
@@ -138,7 +138,7 @@ pub(super) fn columns<L: Lane>(m: &[[L; 3]; 7], point: [f64; 3], one: L) -> [[L;
     columns
 }
 
-/// Adds the forces `t` that work on [`columns`] to modal forces: its transpose.
+/// Adds the modal forces of forces `t` that are work-conjugate to [`columns`]: its transpose.
 #[inline(always)]
 pub(super) fn add_columns<L: Lane>(t3: [[L; 3]; 3], point: [f64; 3], f: &mut [[L; 3]; 8]) {
     let (r, s, t) = natural(point, t3[0][0]);

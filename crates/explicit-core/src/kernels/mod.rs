@@ -15,29 +15,29 @@ pub use hex8_one_point::Hex8OnePoint;
 pub use tet4::Tet4;
 pub use wedge6::Wedge6;
 
-use powerhouse_model::{ConstitutiveLaw, ElementKernel, ElementKind};
+use powerhouse_model::{ElementKernel, ElementKind, Vec3};
 
-use crate::block::{Erased, erased};
-use crate::{BlockFactory, BlockOptions};
+use crate::block::of_any_law;
+use crate::{AnyLaw, BlockFactory, BlockOptions};
 
-/// The kernels of this crate, by name.
+/// Element kernel of this crate, chosen by name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SolidKernel {
-    /// [`Hex8OnePoint`].
+    /// Eight-node brick with one integration point, [`Hex8OnePoint`].
     Hex8OnePoint(Hex8OnePoint),
-    /// [`Hex8Full`].
+    /// Eight-node brick with 2 x 2 x 2 integration points, [`Hex8Full`].
     Hex8Full,
-    /// [`Hex8BBar`].
+    /// Eight-node brick with mean dilatation, [`Hex8BBar`].
     Hex8BBar,
-    /// [`Tet4`].
+    /// Four-node tetrahedron, [`Tet4`].
     Tet4,
-    /// [`Wedge6`].
+    /// Six-node wedge, [`Wedge6`].
     Wedge6,
 }
 
 impl SolidKernel {
-    /// All of them, with their default parameters.
+    /// All kernels, with their default parameters.
     pub const ALL: [Self; 5] = [
         Self::Hex8OnePoint(Hex8OnePoint::DEFAULT),
         Self::Hex8Full,
@@ -46,7 +46,7 @@ impl SolidKernel {
         Self::Wedge6,
     ];
 
-    /// The name in scenes and reports.
+    /// Name of the kernel in scenes and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Hex8OnePoint(kernel) => kernel.name(),
@@ -56,11 +56,11 @@ impl SolidKernel {
             Self::Wedge6 => Wedge6.name(),
         }
     }
-    /// The kernel of a name, with its default parameters.
+    /// The kernel with a name, with its default parameters.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kernel| kernel.name() == name)
     }
-    /// The kind of element that it computes.
+    /// Kind of elements that the kernel computes.
     pub fn kind(self) -> ElementKind {
         match self {
             Self::Hex8OnePoint(_) | Self::Hex8Full | Self::Hex8BBar => ElementKind::Hex8,
@@ -68,7 +68,7 @@ impl SolidKernel {
             Self::Wedge6 => ElementKind::Wedge6,
         }
     }
-    /// How many integration points an element has.
+    /// Number of integration points of an element.
     pub fn points(self) -> usize {
         fn points<K: ElementKernel<N, P>, const N: usize, const P: usize>(_kernel: &K) -> usize {
             P
@@ -81,30 +81,44 @@ impl SolidKernel {
             Self::Wedge6 => points(&Wedge6),
         }
     }
-    /// The kernel that suits a kind of element if none is named; none for kinds without volume.
+    /// The default kernel of a kind of elements; none for kinds without volume.
     pub fn default_for(kind: ElementKind) -> Option<Self> {
         Self::ALL.into_iter().find(|kernel| kernel.kind() == kind)
     }
-    /// A factory of blocks of this kernel and a law.
-    pub fn factory<M: ConstitutiveLaw>(
+    /// A factory of blocks of this kernel and a law for an element set.
+    pub fn factory(
         self,
         label: &str,
-        law: M,
+        law: impl Into<AnyLaw>,
         options: BlockOptions,
     ) -> Box<dyn BlockFactory> {
-        self.erased(label, Erased::new(law), options)
+        self.of_any_law(label, law.into(), options)
     }
 
     /// Blocks are compiled here, once, and in no crate that uses this one.
-    fn erased(self, label: &str, law: Erased, options: BlockOptions) -> Box<dyn BlockFactory> {
+    fn of_any_law(self, label: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory> {
         match self {
             Self::Hex8OnePoint(kernel) => {
                 parallelepiped::one_point_bricks(label, kernel, law, options)
             }
-            Self::Hex8Full => erased(label, Hex8Full, law, options),
-            Self::Hex8BBar => erased(label, Hex8BBar, law, options),
-            Self::Tet4 => erased(label, Tet4, law, options),
-            Self::Wedge6 => erased(label, Wedge6, law, options),
+            Self::Hex8Full => of_any_law(label, Hex8Full, law, options),
+            Self::Hex8BBar => of_any_law(label, Hex8BBar, law, options),
+            Self::Tet4 => of_any_law(label, Tet4, law, options),
+            Self::Wedge6 => of_any_law(label, Wedge6, law, options),
         }
     }
+}
+
+/// Positions (m) of points with natural coordinates in an element of a kind with some corners (m).
+fn positions<const N: usize, const P: usize>(
+    kind: ElementKind,
+    corners: &[Vec3; N],
+    points: [[f64; 3]; P],
+) -> [Vec3; P] {
+    points.map(|natural| {
+        let mut values = [0.0; N];
+        kind.shape_functions(&Vec3::from(natural), &mut values);
+        let terms = corners.iter().zip(values);
+        terms.fold(Vec3::zeros(), |sum, (corner, value)| sum + corner * value)
+    })
 }

@@ -1,4 +1,4 @@
-//! The one-point brick whose opposite sides are parallel.
+//! One-point brick for parallelepipeds.
 
 use powerhouse_model::{
     ElementBlock, ElementKernel, ElementKind, Geometry, Lane, ModelError, Strain, Stress, Vec3,
@@ -6,20 +6,20 @@ use powerhouse_model::{
 
 use super::hex8_one_point::Hex8OnePoint;
 use super::hexahedron;
+use super::positions;
 use super::vectors::{dot, linear_gradients, outer_sum, scaled, strain_of, uniform_forces};
-use crate::block::coordinate_rounding;
-use crate::block::{Erased, erased};
-use crate::{BlockFactory, BlockOptions, BlockPart};
+use crate::block::{coordinate_rounding, of_any_law};
+use crate::{AnyLaw, BlockFactory, BlockOptions, BlockPart};
 
-/// Behind `g_k / V` of the linear modes.
+/// Index of the volume, after `g_k / V` of the linear modes.
 const VOLUME: usize = 9;
-/// `c / (lambda + 2 G)`.
+/// Index of the hourglass factor `c / (lambda + 2 G)`.
 const RESISTANCE: usize = 10;
 
-/// [`Hex8OnePoint`] without the modes `X_4..X_7` of its corners: the gradient has three terms
+/// [`Hex8OnePoint`] for parallelepipeds, whose corners have no modes `X_4..X_7`: the gradient has three terms
 /// instead of six, and the hourglass strains are the plain sums `S_4..S_7`.
 ///
-/// It reads 11 numbers instead of 24, and takes half of the time.
+/// It reads 11 numbers instead of 24 and needs half of the time.
 #[derive(Clone)]
 pub(super) struct Parallelepiped(pub(super) Hex8OnePoint);
 
@@ -44,6 +44,9 @@ impl ElementKernel<8, 1> for Parallelepiped {
         let squares: f64 = g.iter().map(Vec3::norm_squared).sum();
         out[VOLUME] = volume;
         out[RESISTANCE] = 0.5 * self.0.hourglass * squares / volume;
+    }
+    fn point_positions(&self, corners: &[Vec3; 8]) -> [Vec3; 1] {
+        positions(ElementKind::Hex8, corners, [[0.0; 3]])
     }
     #[inline(always)]
     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 1] {
@@ -104,30 +107,30 @@ impl ElementKernel<8, 1> for Parallelepiped {
     }
 }
 
-/// Whether opposite sides are parallel, to the rounding of the coordinates.
+/// Whether opposite sides are parallel, within the rounding of the coordinates.
 pub(super) fn is_parallelepiped(corners: &[Vec3; 8]) -> bool {
     let tolerance = 8.0 * coordinate_rounding(corners);
     let [_, _, _, bent @ ..] = hexahedron::position_modes(corners);
     bent.as_flattened().iter().all(|x| x.abs() <= tolerance)
 }
 
-/// Blocks of one-point bricks: of [`Parallelepiped`]s where all elements are, else of the general
+/// Factory of one-point bricks: of [`Parallelepiped`]s for blocks of parallelepipeds, otherwise of the general
 /// form.
 struct ByShape {
     general: Box<dyn BlockFactory>,
     parallelepiped: Box<dyn BlockFactory>,
 }
 
-/// A factory of one-point bricks that takes the shorter arithmetic where the shapes permit.
+/// A factory of one-point bricks, with the shorter arithmetic where the shapes permit it.
 pub(super) fn one_point_bricks(
     label: &str,
     kernel: Hex8OnePoint,
-    law: Erased,
+    law: AnyLaw,
     options: BlockOptions,
 ) -> Box<dyn BlockFactory> {
     Box::new(ByShape {
-        general: erased(label, kernel, law.clone(), options),
-        parallelepiped: erased(label, Parallelepiped(kernel), law, options),
+        general: of_any_law(label, kernel, law.clone(), options),
+        parallelepiped: of_any_law(label, Parallelepiped(kernel), law, options),
     })
 }
 

@@ -1,16 +1,17 @@
-//! The four-node tetrahedron.
+//! Four-node tetrahedron.
 
 use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
 
+use super::positions;
 use super::vectors::{difference, linear_gradients, outer_sum, strain_of, sum, uniform_forces};
 
 const VOLUME: usize = 9;
 
-/// The tetrahedron of constant strain.
+/// Constant-strain tetrahedron with four nodes.
 ///
-/// Its modes are the displacements of the corners 1, 2, 3 against corner 0. It is stiff, and it
-/// locks in plastic flow and as the material becomes incompressible: use it to fill what cannot be
-/// meshed by bricks and wedges.
+/// Its modes are the displacements of the corners 1, 2, 3 relative to corner 0. It is stiff, and it locks in
+/// plastic flow and as the material becomes incompressible: use it only where bricks and wedges cannot mesh
+/// the volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tet4;
 
@@ -32,6 +33,9 @@ impl ElementKernel<4, 1> for Tet4 {
             out[3 * i..3 * i + 3].copy_from_slice((cofactor / determinant).as_slice());
         }
         out[VOLUME] = determinant / 6.0;
+    }
+    fn point_positions(&self, corners: &[Vec3; 4]) -> [Vec3; 1] {
+        positions(ElementKind::Tet4, corners, [[0.25; 3]])
     }
     #[inline(always)]
     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 1] {

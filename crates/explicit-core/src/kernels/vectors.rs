@@ -2,25 +2,25 @@
 
 use powerhouse_model::{Geometry, Lane, Strain, Stress};
 
-/// `a + b`.
+/// Sum `a + b`.
 #[inline(always)]
 pub(super) fn sum<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// `a - b`.
+/// Difference `a - b`.
 #[inline(always)]
 pub(super) fn difference<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// `a factor`.
+/// Product of a vector and a factor.
 #[inline(always)]
 pub(super) fn scaled<L: Lane>(a: [L; 3], factor: L) -> [L; 3] {
     [a[0] * factor, a[1] * factor, a[2] * factor]
 }
 
-/// `a factor + b`.
+/// Sum `a factor + b`.
 #[inline(always)]
 pub(super) fn scaled_sum<L: Lane>(a: [L; 3], factor: L, b: [L; 3]) -> [L; 3] {
     [
@@ -30,13 +30,13 @@ pub(super) fn scaled_sum<L: Lane>(a: [L; 3], factor: L, b: [L; 3]) -> [L; 3] {
     ]
 }
 
-/// `a . b`.
+/// Inner product `a . b`.
 #[inline(always)]
 pub(super) fn dot<L: Lane>(a: [L; 3], b: [L; 3]) -> L {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
-/// `a x b`.
+/// Cross product `a x b`.
 #[inline(always)]
 pub(super) fn cross<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     [
@@ -46,13 +46,13 @@ pub(super) fn cross<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     ]
 }
 
-/// `a . b + c`.
+/// Sum `a . b + c`.
 #[inline(always)]
 pub(super) fn dot_sum<L: Lane>(a: [L; 3], b: [L; 3], c: L) -> L {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul_add(b[2], c)))
 }
 
-/// `a_0 x b_0 + a_1 x b_1`.
+/// Sum of cross products `a_0 x b_0 + a_1 x b_1`.
 #[inline(always)]
 pub(super) fn cross_sum<L: Lane>(a: [[L; 3]; 2], b: [[L; 3]; 2]) -> [L; 3] {
     let mut sum = cross(a[0], b[0]);
@@ -67,7 +67,7 @@ pub(super) fn cross_sum<L: Lane>(a: [[L; 3]; 2], b: [[L; 3]; 2]) -> [L; 3] {
 /// A 3 x 3 matrix by rows.
 pub(super) type Matrix<L> = [[L; 3]; 3];
 
-/// `matrix vector`.
+/// Product of a matrix and a vector.
 #[inline(always)]
 pub(super) fn product<L: Lane>(matrix: &Matrix<L>, vector: [L; 3]) -> [L; 3] {
     [
@@ -77,10 +77,10 @@ pub(super) fn product<L: Lane>(matrix: &Matrix<L>, vector: [L; 3]) -> [L; 3] {
     ]
 }
 
-/// `sum_k a_k (x) b_k`: row `i`, column `j` holds `sum_k a_k[i] b_k[j]`.
+/// Sum of outer products `sum_k a_k (x) b_k`: row `i`, column `j` holds `sum_k a_k[i] b_k[j]`.
 #[inline(always)]
 pub(super) fn outer_sum<L: Lane, const K: usize>(a: [[L; 3]; K], b: [[L; 3]; K]) -> Matrix<L> {
-    // Row after row, so that a row's factors are out of the registers when the next one begins.
+    // Row after row, so that the factors of a row leave the registers before the next one.
     let mut matrix = [b[0]; 3];
     for i in 0..3 {
         matrix[i] = scaled(b[0], a[0][i]);
@@ -91,7 +91,7 @@ pub(super) fn outer_sum<L: Lane, const K: usize>(a: [[L; 3]; K], b: [[L; 3]; K])
     matrix
 }
 
-/// The gradients of three linear modes, which the numbers of an element begin with.
+/// Gradients of three linear modes, the first geometry numbers of an element.
 #[inline(always)]
 pub(super) fn linear_gradients<L: Lane>(geometry: &Geometry<L>) -> Matrix<L> {
     [geometry.vector(0), geometry.vector(3), geometry.vector(6)]

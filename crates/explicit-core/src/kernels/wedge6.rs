@@ -1,22 +1,23 @@
-//! The six-node wedge.
+//! Six-node wedge.
 
 use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
 
+use super::positions;
 use super::vectors::{
     Matrix, cofactors, difference, outer_sum, product, scaled, scaled_sum, strain_of,
     stress_matrix, sum,
 };
 
-/// Numbers of one element: five modes of the position, the constant one left out.
+/// Geometry numbers of one element: five modes of the position, without the constant one.
 const MODE_NUMBERS: usize = 15;
-/// The Jacobian has columns of twice its size, `2^3` in its determinant; each point has weight 1/6.
+/// Factor of the determinant of the Jacobian, whose columns are computed times 2, and weight 1/6 of a point.
 const SCALE: f64 = 1.0 / 48.0;
 
 const G: f64 = 0.577_350_269_189_625_8;
 const NEAR: f64 = 1.0 / 6.0;
 const FAR: f64 = 2.0 / 3.0;
 
-/// Triangle coordinates r, s in `r, s >= 0, r + s <= 1` and height t in `[-1, 1]`.
+/// Integration points: triangle coordinates r, s in `r, s >= 0, r + s <= 1` and height t in `[-1, 1]`.
 const POINTS: [[f64; 3]; 6] = [
     [NEAR, NEAR, -G],
     [FAR, NEAR, -G],
@@ -26,11 +27,11 @@ const POINTS: [[f64; 3]; 6] = [
     [NEAR, FAR, G],
 ];
 
-/// The wedge (triangular prism) with three points in the triangle times two along its height.
+/// Six-node wedge (triangular prism) with three integration points in the triangle times two along its height.
 ///
-/// Its modes are those of `1, r, s, t, rt, st` with the triangle coordinates `r, s` of the
-/// corners 1 and 2 and the height `t`; the points see all of them. It stiffens in bending and as
-/// the material becomes incompressible.
+/// Its modes are those of `1, r, s, t, rt, st` with the triangle coordinates `r, s` of the corners 1 and 2 and
+/// the height `t`; it has no hourglass modes. It is too stiff in bending and as the material becomes
+/// incompressible.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wedge6;
 
@@ -53,7 +54,7 @@ fn modes<L: Lane>(v: &[[L; 3]; 6]) -> [[L; 3]; 6] {
     ]
 }
 
-/// Twice the derivatives along r, s, t at a point of what has the modes `m` (constant left out).
+/// Derivatives along r, s, t at a point, times 2, of a field with the modes `m` (without the constant one).
 #[inline(always)]
 fn columns<L: Lane>(m: &[[L; 3]; 5], point: [f64; 3]) -> [[L; 3]; 3] {
     let any = m[0][0];
@@ -86,7 +87,7 @@ fn position_modes<L: Lane>(geometry: &Geometry<L>) -> [[L; 3]; 5] {
     ]
 }
 
-/// Modes of the corner positions, the constant one left out.
+/// Modes of the corner positions, without the constant one.
 fn modes_of_corners(corners: &[Vec3; 6]) -> [[f64; 3]; 5] {
     let relative = corners.map(|corner| {
         let corner = corner - corners[0];
@@ -109,6 +110,9 @@ impl ElementKernel<6, 6> for Wedge6 {
     }
     fn geometry(&self, corners: &[Vec3; 6], out: &mut [f64]) {
         out.copy_from_slice(modes_of_corners(corners).as_flattened());
+    }
+    fn point_positions(&self, corners: &[Vec3; 6]) -> [Vec3; 6] {
+        positions(ElementKind::Wedge6, corners, POINTS)
     }
     #[inline(always)]
     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 6] {

@@ -6,7 +6,9 @@ mod work;
 use core::ops::Range;
 use std::collections::BTreeMap;
 
-use powerhouse_model::{BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, Vec3};
+use powerhouse_model::{
+    BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, StepTime, Vec3,
+};
 use rayon::prelude::*;
 
 use crate::groups::Groups;
@@ -213,8 +215,13 @@ impl Model {
     /// Energies of the elements of each set at the present time.
     fn set_energies(&self, ledger: &Ledger, step: f64) -> Vec<BlockEnergy> {
         let of_blocks: Vec<BlockEnergy> = with_nodes!(&self.nodes, arrays => {
+            let when = StepTime {
+                number: self.number,
+                time: self.time,
+                step,
+            };
             let context = BlockContext::new(
-                (self.number, self.time, step),
+                when,
                 Storage::view(&arrays.displacement),
                 Storage::view(&arrays.velocity),
             )

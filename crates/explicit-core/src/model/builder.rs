@@ -351,10 +351,7 @@ fn build_extra(
     mesh_nodes: usize,
     blocks: Vec<powerhouse_model::ExtraBlock>,
 ) -> (Vec<u32>, Vec<Box<dyn ElementBlock>>) {
-    let mut seen = Numbering {
-        engine_of: numbering.engine_of[..mesh_nodes].to_vec(),
-        mesh_of: Vec::new(),
-    };
+    let mut seen = Numbering::new(numbering.engine_of[..mesh_nodes].to_vec(), Vec::new());
     for _ in blocks.iter().flat_map(|block| &block.nodes) {
         let engine = numbering.mesh_of.len() as u32;
         seen.engine_of.push(engine);

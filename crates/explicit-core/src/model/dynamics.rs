@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     BlockContext, Dynamics, ElementBlock, ElementFault, ForceTerms, MassDampingRule,
-    PredictedMotion, Quad, RunError, Vec3,
+    PredictedMotion, Quad, RunError, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
@@ -123,7 +123,11 @@ impl Model {
             ledger,
             ..
         } = self;
-        let when = (*number, *time, step);
+        let when = StepTime {
+            number: *number,
+            time: *time,
+            step,
+        };
         let fault = with_nodes!(nodes, arrays => {
             let NodalArrays { displacement, velocity, forces, external, .. } = arrays;
             let context = BlockContext::new(
@@ -133,11 +137,11 @@ impl Model {
             )
             .with_damping_shift(terms.damping_shift)
             .with_ledger(ledger.is_some())
-            .with_once(terms.once);
+            .with_history_update(terms.history_update);
             let buffers = split(forces, lengths);
             let (fault, ()) = rayon::join(
                 || block_forces(blocks, buffers, &context, commit),
-                || loads.evaluate(when.1),
+                || loads.evaluate(when.time),
             );
             loads.sums.write_plain(external);
             fault

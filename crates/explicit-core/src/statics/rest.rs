@@ -1,6 +1,6 @@
 //! What holds a body at rest, and the hand-over to a dynamic stage.
 
-use powerhouse_model::{BlockContext, Quad, Vec3};
+use powerhouse_model::{BlockContext, Quad, StepTime, Vec3};
 use rayon::prelude::*;
 
 use super::StaticError;
@@ -160,7 +160,11 @@ impl Model {
 
     /// Computes the internal forces at the present displacement, in steps of a length (s).
     pub(super) fn forces_at_rest(&mut self, step: f64) -> Result<(), StaticError> {
-        let when = (self.number, self.time, step);
+        let when = StepTime {
+            number: self.number,
+            time: self.time,
+            step,
+        };
         let (blocks, lengths) = (&mut self.blocks, &self.lengths);
         let fault = with_nodes!(&mut self.nodes, arrays => {
             let context = BlockContext::new(

@@ -101,10 +101,7 @@ impl Body {
 
     pub(crate) fn of(mesh: Mesh, factory: &dyn BlockFactory, medium: ElasticMedium) -> Self {
         let every: Vec<u32> = (0..mesh.node_count() as u32).collect();
-        let numbering = Numbering {
-            engine_of: every.clone(),
-            mesh_of: every.clone(),
-        };
+        let numbering = Numbering::new(every.clone(), every.clone());
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
         let part = BlockPart::new(&mesh, &elements, &numbering, &every);
         let block = factory.build(&part).unwrap();

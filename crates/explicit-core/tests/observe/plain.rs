@@ -135,12 +135,12 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> ElementBlock for Pl
     fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
     fn element_forces(
         &self,
-        place: usize,
+        index: usize,
         displacement: NodalView,
         _initial: &Stress,
         out: &mut [Vec3],
     ) -> bool {
-        for (out, force) in out.iter_mut().zip(self.forces_of(place, &displacement)) {
+        for (out, force) in out.iter_mut().zip(self.forces_of(index, &displacement)) {
             *out = Vec3::from(force);
         }
         true

@@ -9,12 +9,21 @@ use powerhouse_explicit_core::{
 };
 use powerhouse_model::{
     BlockContext, Cadence, ElasticMedium, ElementBlock, Mesh, NodalView, NodalViewMut, Numbering,
-    Operator, Quad, State, Strain, Vec3,
+    Operator, Quad, State, StepTime, Strain, Vec3,
 };
 
 use super::{
     GRAVITY, absorbing, bent_box, elastic, elastic_body, face_nodes, largest, on_rollers, rock,
 };
+
+/// A step of a length (s), at time zero.
+fn when(number: u64, step: f64) -> StepTime {
+    StepTime {
+        number,
+        time: 0.0,
+        step,
+    }
+}
 
 fn all_elements(mesh: &Mesh) -> Vec<u32> {
     (0..mesh.element_count() as u32).collect()
@@ -254,10 +263,7 @@ fn bolts_cost_no_step() {
     }
     let hosts = all_elements(&mesh);
     let numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
-    let numbering = Numbering {
-        engine_of: numbers.clone(),
-        mesh_of: numbers.clone(),
-    };
+    let numbering = Numbering::new(numbers.clone(), numbers.clone());
     let solid = || {
         let part = BlockPart::new(&mesh, &hosts, &numbering, &numbers);
         elastic("ground", rock()).build(&part).unwrap()
@@ -295,17 +301,14 @@ fn a_fault_names_the_element_that_the_bolt_crosses() {
     let hosts = all_elements(&mesh);
     let bolts = BoltSet::new("bolts", &mesh, &hosts, &[line(0.5), line(3.5)], steel).unwrap();
     let numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
-    let numbering = Numbering {
-        engine_of: numbers.clone(),
-        mesh_of: numbers.clone(),
-    };
+    let numbering = Numbering::new(numbers.clone(), numbers.clone());
     let mut block = (bolts.block())(&numbering);
     let lost = mesh.nodes_in_box(&Vec3::new(4.0, 0.0, 1.0), &Vec3::new(4.0, 0.0, 1.0));
     let mut moved = vec![Quad::<f64>::default(); numbers.len()];
     let still = moved.clone();
     moved[lost[0] as usize].values[2] = f64::NAN;
     let views = (NodalView::F64(&moved), NodalView::F64(&still));
-    let context = BlockContext::new((0, 0.0, 1.0e-3), views.0, views.1);
+    let context = BlockContext::new(when(0, 1.0e-3), views.0, views.1);
     let mut out = vec![Quad::<f64>::default(); block.nodes().len()];
     let fault = block
         .forces(&context, NodalViewMut::F64(&mut out))
@@ -513,10 +516,7 @@ fn bolts_go_on_from_a_history() {
     };
     let hosts = all_elements(&mesh);
     let numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
-    let numbering = Numbering {
-        engine_of: numbers.clone(),
-        mesh_of: numbers.clone(),
-    };
+    let numbering = Numbering::new(numbers.clone(), numbers.clone());
     let steel = BoltParameters {
         pretension: 20.0e3,
         yield_force: 60.0e3,
@@ -544,7 +544,7 @@ fn bolts_go_on_from_a_history() {
         let go = |block: &mut dyn ElementBlock, size: f64| {
             let field = moved(size);
             let views = (NodalView::F64(&field), NodalView::F64(&still));
-            let context = BlockContext::new((0, 0.0, 1.0e-3), views.0, views.1);
+            let context = BlockContext::new(when(0, 1.0e-3), views.0, views.1);
             let mut out = vec![Quad::<f64>::default(); block.nodes().len()];
             block.forces(&context, NodalViewMut::F64(&mut out)).unwrap();
             block.commit();
@@ -560,7 +560,7 @@ fn bolts_go_on_from_a_history() {
         assert!(before.plastic > 1.0, "{before:?}");
         second.set_history(&first.history());
         let views = (NodalView::F64(&still), NodalView::F64(&still));
-        let context = BlockContext::new((0, 0.0, 1.0e-3), views.0, views.1);
+        let context = BlockContext::new(when(0, 1.0e-3), views.0, views.1);
         assert_eq!(second.energy(&context), before);
         for size in [2.5e-3, 1.0e-3, 3.0e-3] {
             let (forces, energy) = go(first.as_mut(), size);

@@ -105,11 +105,8 @@ impl BlockFactory for Links {
                 }
             }
             let highest = (stiffness / mass).symmetric_eigenvalues().max();
-            block.bounds.push(FrequencyBound {
-                element,
-                frequency: highest.sqrt(),
-                stiffness_damping: self.options.damping.stiffness,
-            });
+            let bound = FrequencyBound::new(element, highest.sqrt());
+            (block.bounds).push(bound.with_stiffness_damping(self.options.damping.stiffness));
         }
         Ok(Box::new(block))
     }
@@ -233,11 +230,9 @@ impl ElementBlock for LinkBlock {
             .iter()
             .map(|link| 0.5 * link.stiffness * self.stretch(link, &context.displacement).powi(2))
             .sum();
-        BlockEnergy {
-            elastic,
-            damping: self.dissipated,
-            ..BlockEnergy::default()
-        }
+        let mut energy = BlockEnergy::elastic(elastic);
+        energy.damping = self.dissipated;
+        energy
     }
     fn history(&self) -> Vec<HistoryField> {
         Vec::new()
@@ -349,10 +344,7 @@ pub(crate) fn dense_limit(
 ) -> f64 {
     let count = mesh.node_count();
     let nodes: Vec<u32> = (0..count as u32).collect();
-    let numbering = powerhouse_model::Numbering {
-        engine_of: nodes.clone(),
-        mesh_of: nodes.clone(),
-    };
+    let numbering = powerhouse_model::Numbering::new(nodes.clone(), nodes.clone());
     let part = BlockPart::new(mesh, elements, &numbering, &nodes);
     let block = factory.build(&part).unwrap();
     let mut mass = vec![0.0; count];

@@ -3,7 +3,9 @@
 mod loading;
 
 use nalgebra::{DMatrix, DVector};
-use powerhouse_model::{ConstitutiveLaw, Extents, LawInput, ParameterError, Strain, Stress};
+use powerhouse_model::{
+    ConstitutiveLaw, Extents, LawInput, ParameterError, PointLocation, Strain, Stress,
+};
 
 use crate::MaterialError;
 
@@ -176,9 +178,11 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
     fn respond(&self, strain: &Strain) -> Result<(Stress, Vec<f64>), MaterialError> {
         finite(&strain.0, "strain", self.steps)?;
         let mut history = self.now.history.clone();
+        let origin = PointLocation::new([0.0; 3], &[0]);
         let input = LawInput::new(*strain, &self.now.history)
             .with_initial(self.initial)
-            .with_extents(self.extents);
+            .with_extents(self.extents)
+            .with_location(&origin);
         let stress = self.initial + self.law.stress_change(&input, &mut history);
         finite(&stress.0, "stress", self.steps)?;
         finite(&history, "history", self.steps)?;

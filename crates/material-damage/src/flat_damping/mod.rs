@@ -234,6 +234,9 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     fn history(&self) -> &[HistoryVariable] {
         &self.variables
     }
+    fn uses_location(&self) -> bool {
+        self.reference.uses_location()
+    }
     #[inline(always)]
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
         let own = new_history.len() - 6 * self.terms.count;

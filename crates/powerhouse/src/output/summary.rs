@@ -220,11 +220,7 @@ impl Summary {
                 assembled_limit: stable.assembled_limit,
                 element: stable.element,
                 set: stable.set.clone(),
-                term: match stable.term {
-                    LimitingTerm::Stiffness => "stiffness",
-                    LimitingTerm::StiffnessDamping => "stiffness damping",
-                    LimitingTerm::MassDamping => "mass damping",
-                },
+                term: stable.term.name(),
             }),
             stages: results.stages.iter().map(Stage::new).collect(),
             hand_over: results.hand_over.as_ref().map(|report| HandOver {

@@ -36,7 +36,7 @@ pub(super) fn unit(unit: &'static str) -> &'static str {
 pub(super) fn numbers(variable: &HistoryVariable) -> VtuNumbers {
     match variable.kind {
         HistoryKind::Flags => VtuNumbers::Whole,
-        HistoryKind::Amount | HistoryKind::Component => VtuNumbers::Real,
+        _ => VtuNumbers::Real,
     }
 }
 

@@ -155,7 +155,7 @@ fn stiffness_damping_works_on_the_velocity() {
         let mut softening = Fixture::new(kernel, Softening(rock()), damped);
         let v = linear.noise(5, 1.0);
         let rest = zeros(v.len());
-        let context = BlockContext::new((0, 0.0, 1e-4), NodalView::F64(&rest), NodalView::F64(&v))
+        let context = BlockContext::new(when(0, 1e-4), NodalView::F64(&rest), NodalView::F64(&v))
             .with_damping_shift(-1e-3);
         let expected = linear.apply(Operator::Elastic, &v);
         for fixture in [&mut linear, &mut softening] {
@@ -172,10 +172,7 @@ fn stiffness_damping_works_on_the_velocity() {
 fn unsuitable_parts_are_refused() {
     let build = |mesh: &Mesh, nodes: &[u32]| {
         let identity: Vec<u32> = (0..mesh.node_count() as u32).collect();
-        let numbering = Numbering {
-            engine_of: identity.clone(),
-            mesh_of: identity,
-        };
+        let numbering = Numbering::new(identity.clone(), identity);
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
         let part = BlockPart::new(mesh, &elements, &numbering, nodes);
         let factory = solid(
@@ -221,7 +218,7 @@ fn a_fault_names_its_element() {
             broken[fixture.numbering.engine_of[node as usize] as usize].values[1] = bad;
             for (u, v) in [(&broken, &rest), (&rest, &broken)] {
                 let context =
-                    BlockContext::new((0, 0.0, 1e-4), NodalView::F64(u), NodalView::F64(v));
+                    BlockContext::new(when(0, 1e-4), NodalView::F64(u), NodalView::F64(v));
                 let fault = fixture.forces_at(&context).unwrap_err();
                 assert!(touches(&fault, &fixture.mesh), "{fault:?}");
             }

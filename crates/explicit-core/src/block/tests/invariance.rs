@@ -1,10 +1,10 @@
-//! What must leave no trace: lane width, shape, common motion.
+//! Invariance of results under lane width, common shape and common motion.
 
 use super::*;
 
 /// Everything that a block computes has the same bits in lanes of one and of many, for every
-/// kernel and precision, damped, with and without memory, with elements switched off; in one lane there are
-/// more elements than laws are asked for at once.
+/// kernel and precision, damped, with and without history variables, with inactive elements; in one lane there
+/// are more elements than a law is evaluated for in one call.
 #[test]
 fn lane_width_leaves_no_trace() {
     fn bits<M: ConstitutiveLaw>(
@@ -34,7 +34,7 @@ fn lane_width_leaves_no_trace() {
         fixture.block.set_active(&active);
         let mut numbers = Vec::new();
         for step in 0..3 {
-            let context = BlockContext::new((step, 0.0, 1e-4), views.0, views.1).with_ledger(true);
+            let context = BlockContext::new(when(step, 1e-4), views.0, views.1).with_ledger(true);
             for force in fixture.forces_at(&context).unwrap() {
                 numbers.extend(force.iter());
             }

@@ -8,8 +8,8 @@ mod state;
 use nalgebra::{DMatrix, SymmetricEigen};
 use powerhouse_model::{
     BlockContext, ConstitutiveLaw, ElasticMedium, ElementBlock, ElementFault, ElementKind,
-    HistoryVariable, Lane, LawInput, Mat3, Mesh, NodalScalar, NodalView, NodalViewMut, Numbering,
-    Operator, Quad, RemainingStiffness, Strain, Stress, Vec3,
+    HistoryUpdate, HistoryVariable, Lane, LawInput, Mat3, Mesh, NodalScalar, NodalView,
+    NodalViewMut, Numbering, Operator, Quad, RemainingStiffness, StepTime, Strain, Stress, Vec3,
 };
 
 use crate::{
@@ -43,7 +43,7 @@ impl ConstitutiveLaw for Linear {
     }
 }
 
-/// A law with memory: isotropic damage `d = k / (k + 1e-3)` by the largest norm `k` of the strain
+/// A law with history: isotropic damage `d = k / (k + 1e-3)` by the largest norm `k` of the strain
 /// so far; the norm of the initial stress over a modulus counts as strain.
 #[derive(Clone)]
 struct Softening(ElasticMedium);
@@ -87,11 +87,18 @@ impl ConstitutiveLaw for Softening {
     ) -> RemainingStiffness<L> {
         let any = input.strain.0[0];
         let kept = any.constant(1e-3) / (new[0] + any.constant(1e-3));
-        RemainingStiffness {
-            undamaged: kept,
-            of_path: kept,
-            flowed: [any.constant(0.0); 6],
-        }
+        RemainingStiffness::whole(any)
+            .with_undamaged(kept)
+            .with_hourglass(kept)
+    }
+}
+
+/// A step of a length (s), at time zero.
+fn when(number: u64, step: f64) -> StepTime {
+    StepTime {
+        number,
+        time: 0.0,
+        step,
     }
 }
 
@@ -160,10 +167,7 @@ impl Fixture {
     ) -> Self {
         let count = mesh.node_count() as u32;
         let backwards: Vec<u32> = (0..count).rev().collect();
-        let numbering = Numbering {
-            engine_of: backwards.clone(),
-            mesh_of: backwards,
-        };
+        let numbering = Numbering::new(backwards.clone(), backwards);
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
         let nodes: Vec<u32> = (0..count).collect();
         let part = BlockPart::new(&mesh, &elements, &numbering, &nodes);
@@ -185,14 +189,14 @@ impl Fixture {
         self.field(|_| noise.vector() * amplitude)
     }
     fn forces(&mut self, u: &[Quad<f64>], v: &[Quad<f64>]) -> Vec<Vec3> {
-        let context = BlockContext::new((0, 0.0, 1e-4), NodalView::F64(u), NodalView::F64(v));
+        let context = BlockContext::new(when(0, 1e-4), NodalView::F64(u), NodalView::F64(v));
         self.forces_at(&context).unwrap()
     }
     /// Forces of a body at rest, in a step of no length.
     fn static_forces(&mut self, u: &[Quad<f64>]) -> Vec<Vec3> {
         let rest = zeros(u.len());
         let views = [NodalView::F64(u), NodalView::F64(&rest)];
-        let context = BlockContext::new((0, 0.0, 0.0), views[0], views[1]);
+        let context = BlockContext::new(when(0, 0.0), views[0], views[1]);
         self.forces_at(&context).unwrap()
     }
     fn forces_at(&mut self, context: &BlockContext) -> Result<Vec<Vec3>, ElementFault> {

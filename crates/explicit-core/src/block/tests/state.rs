@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The history is tried as often as wanted and becomes old only when committed.
+/// Forces can be evaluated any number of times from the committed history, which changes only at a commit.
 #[test]
 fn history_is_committed_apart() {
     let kernel = SolidKernel::Hex8Full;
@@ -25,53 +25,56 @@ fn history_is_committed_apart() {
     assert_eq!(other.block.history(), saved);
 }
 
-/// Where nothing but a commit follows, the new history goes over the old one: forces and histories have the
-/// same bits, elements that are switched off for a while included.
+/// With in-place updates forces and histories have the same bits as with buffered ones, elements that are
+/// inactive for a while included; further forces start from the overwritten history.
 #[test]
-fn a_history_is_written_over_where_only_a_commit_follows() {
+fn in_place_updates_have_the_bits_of_buffered_ones() {
     for precision in [Precision::F64, Precision::Mixed] {
         let options = BlockOptions {
             precision,
             ..BlockOptions::default()
         };
         let new = || Fixture::new(SolidKernel::Wedge6, Softening(rock()), options);
-        let [mut over, mut beside] = [new(), new()];
-        let count = over.block.elements().len();
+        let [mut in_place, mut buffered] = [new(), new()];
+        let count = in_place.block.elements().len();
         for step in 0..8 {
             let active: Vec<bool> = (0..count)
                 .map(|e| e % 3 != 0 || !(3..5).contains(&step))
                 .collect();
             // A step after which nothing has changed, and one that starts afresh.
             let amplitude = if step == 6 { 1e-5 } else { 1e-3 };
-            let u = over.noise(step, amplitude);
+            let u = in_place.noise(step, amplitude);
             let rest = zeros(u.len());
             let views = [NodalView::F64(&u), NodalView::F64(&rest)];
-            let context = BlockContext::new((step, 0.0, 1e-4), views[0], views[1]);
+            let context = BlockContext::new(when(step, 1e-4), views[0], views[1]);
             let mut forces = Vec::new();
-            for (fixture, once) in [(&mut over, true), (&mut beside, false)] {
+            let updates = [HistoryUpdate::InPlace, HistoryUpdate::Buffered];
+            for (fixture, update) in [&mut in_place, &mut buffered].into_iter().zip(updates) {
                 fixture.block.set_active(&active);
-                forces.push(fixture.forces_at(&context.with_once(once)).unwrap());
+                let context = context.with_history_update(update);
+                forces.push(fixture.forces_at(&context).unwrap());
                 fixture.block.commit();
             }
             assert_eq!(forces[0], forces[1], "{precision:?}, step {step}");
-            assert_eq!(over.block.history(), beside.block.history());
+            assert_eq!(in_place.block.history(), buffered.block.history());
         }
-        // There are not two histories: forces that are asked for again go on from the new one.
-        let (u, more) = (over.noise(9, 1e-4), over.noise(10, 1e-1));
+        // There is one history: further forces start from the new one.
+        let (u, more) = (in_place.noise(9, 1e-4), in_place.noise(10, 1e-1));
         let rest = zeros(u.len());
-        let before = over.forces(&u, &rest);
+        let before = in_place.forces(&u, &rest);
         let views = [NodalView::F64(&more), NodalView::F64(&rest)];
-        let context = BlockContext::new((9, 0.0, 1e-4), views[0], views[1]).with_once(true);
-        over.forces_at(&context).unwrap();
-        assert!(largest(&over.forces(&u, &rest)) < 0.5 * largest(&before));
+        let context = BlockContext::new(when(9, 1e-4), views[0], views[1])
+            .with_history_update(HistoryUpdate::InPlace);
+        in_place.forces_at(&context).unwrap();
+        assert!(largest(&in_place.forces(&u, &rest)) < 0.5 * largest(&before));
     }
 }
 
-/// A stress that is not a number is a fault of its element, even where the history that led to it was written
-/// over and the new one leads to no such stress.
+/// A stress that is not finite is a fault of its element, also where the history from which it came was
+/// overwritten and the new one leads to no such stress.
 #[test]
-fn a_fault_is_found_whose_history_is_gone() {
-    /// The stress is none in the step in which the strain first exceeds a hundredth.
+fn a_fault_is_found_after_an_in_place_update() {
+    /// The stress is NaN in the step in which the strain first exceeds a hundredth.
     #[derive(Clone)]
     struct Flash(ElasticMedium);
     impl ConstitutiveLaw for Flash {
@@ -106,7 +109,7 @@ fn a_fault_is_found_whose_history_is_gone() {
     let u = fixture.field(|x| Vec3::x() * if *x == end { -0.5 } else { 0.0 });
     let rest = zeros(u.len());
     let views = [NodalView::F64(&u), NodalView::F64(&rest)];
-    let context = BlockContext::new((0, 0.0, 1e-4), views[0], views[1]);
+    let context = BlockContext::new(when(0, 1e-4), views[0], views[1]);
     let element = fixture.mesh.nodes_of(0);
     assert!(
         element.contains(&0),
@@ -117,13 +120,14 @@ fn a_fault_is_found_whose_history_is_gone() {
         (fault.element, &*fault.reason),
         (0, "its stress is not finite")
     );
-    let fault = fixture.forces_at(&context.with_once(true)).unwrap_err();
+    let fault = fixture
+        .forces_at(&context.with_history_update(HistoryUpdate::InPlace))
+        .unwrap_err();
     assert_eq!(fault.element, 0);
     assert!(fault.reason.contains("force"), "{}", fault.reason);
 }
 
-/// Switched-off elements have neither force, mass, stress, energy nor bound, and keep their
-/// history.
+/// Inactive elements have neither force, mass, stress, energy nor bound, and their history stays.
 #[test]
 fn inactive_elements_are_not_there() {
     let kernel = SolidKernel::Wedge6;
@@ -205,7 +209,7 @@ fn strain_is_measured_from_the_reference() {
     }
 }
 
-/// A law that is told an initial stress answers to it, and only the change is scattered.
+/// A law receives the initial stress, and only the change of stress makes forces.
 #[test]
 fn initial_stress_reaches_the_law() {
     let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::DEFAULT);
@@ -235,7 +239,7 @@ fn the_ledger_closes() {
         let mut spent = 0.0;
         for number in 0..200 {
             let context =
-                BlockContext::new((number, 0.0, step), NodalView::F64(&u), NodalView::F64(&v))
+                BlockContext::new(when(number, step), NodalView::F64(&u), NodalView::F64(&v))
                     .with_ledger(true);
             let forces = fixture.forces_at(&context).unwrap();
             let mut kinetic = 0.0;
@@ -272,7 +276,7 @@ fn the_ledger_closes() {
     }
 }
 
-/// For a law without memory in a static state of uniform damage the secant is the stress over strain, and
+/// For a law without change of history in a static state of uniform damage the secant is the stress over strain, and
 /// the tangent the derivative of the forces.
 #[test]
 fn secant_and_tangent_follow_the_state() {
@@ -309,9 +313,9 @@ fn secant_and_tangent_follow_the_state() {
     }
 }
 
-/// The forces of the elements, told one by one, add up to those of the block, with a law with history variables,
-/// under initial stresses and from a reference displacement, in blocks of many elements as in those of a few;
-/// elements that are switched off have none.
+/// The forces of single elements add up to those of the block, with a law with history variables, under initial
+/// stresses and from a reference displacement, in blocks of many elements and of a few; inactive elements have
+/// none.
 #[test]
 fn forces_of_elements_add_up_to_those_of_the_block() {
     for kernel in SolidKernel::ALL {
@@ -347,11 +351,11 @@ fn forces_of_elements_add_up_to_those_of_the_block() {
                     let nodes = fixture.mesh.nodes_of(*element);
                     let mut forces = vec![Vec3::repeat(f64::NAN); nodes.len()];
                     let view = NodalView::F64(&now);
-                    let told =
+                    let known =
                         fixture
                             .block
                             .element_forces(place, view, &initial[place], &mut forces);
-                    assert!(told && (place != off || largest(&forces) == 0.0));
+                    assert!(known && (place != off || largest(&forces) == 0.0));
                     for (&node, force) in nodes.iter().zip(&forces) {
                         sums[fixture.numbering.engine_of[node as usize] as usize] += force;
                     }
