@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use powerhouse::boundary::reflection::{PlaneWave, reflection};
+use powerhouse::boundary::reflection::{BodyWave, reflection};
 use powerhouse::boundary::{
     AxisParameters, FaceCoefficients, InputMode, ReductionLayer, Viscous, ViscousSpring,
 };
@@ -80,7 +80,7 @@ fn coefficients(speed_ratio: Option<f64>) -> Outcome<FaceCoefficients> {
 /// form.
 fn reflections(
     speed_ratio: Option<f64>,
-    wave: PlaneWave,
+    wave: BodyWave,
     angles: &[f64],
     numbers: &[f64],
 ) -> Outcome<f64> {
@@ -253,7 +253,7 @@ fn input_cost() -> Outcome<[f64; 2]> {
 fn figures(angles: &[f64], numbers: &[f64], steps: usize) -> Outcome<Figures> {
     let mut figures = Figures::default();
     for (name, speed_ratio) in BOUNDARIES {
-        for (of, wave) in [("p", PlaneWave::P), ("sv", PlaneWave::Sv)] {
+        for (of, wave) in [("p", BodyWave::P), ("sv", BodyWave::Sv)] {
             println!("{name}, {of} wave arrives:");
             let worst = reflections(speed_ratio, wave, angles, numbers)?;
             let figure = format!("boundary_price.{name}.{of}.reflection_error");

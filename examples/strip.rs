@@ -19,7 +19,7 @@
 use core::f64::consts::PI;
 
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
-use powerhouse::boundary::reflection::PlaneWave;
+use powerhouse::boundary::reflection::BodyWave;
 use powerhouse::engine::observe::{HistoryTable, Motion};
 use powerhouse::engine::{NodalForce, PeriodicPairs, Support};
 use powerhouse::material::LinearElastic;
@@ -42,7 +42,7 @@ pub struct Arriving {
     /// What it travels in.
     pub medium: ElasticMedium,
     /// Its kind.
-    pub wave: PlaneWave,
+    pub wave: BodyWave,
     /// Its angle from the face's normal (degrees).
     pub degrees: f64,
     /// Its angular frequency (rad/s).
@@ -52,7 +52,7 @@ pub struct Arriving {
 /// A kind of wave in the strip: sine, cosine and wave number across the face.
 #[derive(Clone, Copy)]
 struct Partner {
-    kind: PlaneWave,
+    kind: BodyWave,
     sine: f64,
     cosine: Complex,
     wave_number: f64,
@@ -69,8 +69,8 @@ impl Partner {
         let along = self.cosine * sense;
         let phase = (-i * along * self.wave_number * z).exp();
         match self.kind {
-            PlaneWave::P => [-i * self.sine * phase, along * phase],
-            PlaneWave::Sv => [-i * along * phase, phase * -self.sine],
+            BodyWave::P => [-i * self.sine * phase, along * phase],
+            BodyWave::Sv => [-i * along * phase, phase * -self.sine],
         }
     }
 
@@ -83,12 +83,12 @@ impl Partner {
 impl Arriving {
     /// The same, as P (first) and as SV wave of the same trace.
     fn partners(&self) -> [Partner; 2] {
-        let of = |kind: PlaneWave| match kind {
-            PlaneWave::P => self.medium.p_speed(),
-            PlaneWave::Sv => self.medium.s_speed(),
+        let of = |kind: BodyWave| match kind {
+            BodyWave::P => self.medium.p_speed(),
+            BodyWave::Sv => self.medium.s_speed(),
         };
         let slowness = self.degrees.to_radians().sin() / of(self.wave);
-        [PlaneWave::P, PlaneWave::Sv].map(|kind| {
+        [BodyWave::P, BodyWave::Sv].map(|kind| {
             let sine = slowness * of(kind);
             let square = (1.0 - sine) * (1.0 + sine);
             let cosine = if square >= 0.0 {
@@ -255,8 +255,8 @@ impl Arriving {
             .ok_or("two runs with the same waves")?;
         let returned = leaving * inverse;
         let column = match self.wave {
-            PlaneWave::P => 0,
-            PlaneWave::Sv => 1,
+            BodyWave::P => 0,
+            BodyWave::Sv => 1,
         };
         Ok([returned[(0, column)].norm(), returned[(1, column)].norm()])
     }

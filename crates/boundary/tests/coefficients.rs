@@ -68,7 +68,7 @@ fn build(boundary: &impl AbsorbingBoundary, site: &BoundarySite) -> Vec<NodalImp
     boundary.build(site).unwrap().impedance
 }
 
-/// Inside a face the coefficients are Eqs. 1 and 2 of the paper times the area, with the distance
+/// Inside a face the impedance follows Eqs. 1 and 2 of the paper times the area, with the distance
 /// of the face's plane from the scatterer.
 #[test]
 fn faces_have_the_springs_and_dashpots_of_the_paper() {
@@ -166,7 +166,7 @@ fn slices_halve_springs_and_keep_dashpots() {
     }
 }
 
-/// Parameters given for one axis act on the faces across that axis and on no others.
+/// Parameters given for one axis apply to the faces across that axis and to no others.
 #[test]
 fn parameters_can_differ_by_axis() {
     let mut boundary = ViscousSpring::default();

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use powerhouse_boundary::foreign_nodes;
+use powerhouse_boundary::nodes_in_other_media;
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 
 use powerhouse_wavefield::Site;
@@ -44,7 +44,7 @@ impl Scene {
         field: &dyn IncidentField,
         site: &BoundarySite,
     ) -> Result<(), Error> {
-        let foreign = foreign_nodes(site);
+        let foreign = nodes_in_other_media(site);
         if let Some(&node) = foreign.first() {
             return Err(Error::ForeignMedium {
                 field: field.name().into(),

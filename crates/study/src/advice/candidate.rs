@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use powerhouse::boundary::reflection::{PlaneWave, reflection};
+use powerhouse::boundary::reflection::{BodyWave, reflection};
 use powerhouse::boundary::{
     AxisParameters, FaceCoefficients, InputMode, Spreading, Viscous, ViscousSpring,
 };
@@ -143,7 +143,7 @@ impl BoundaryKind {
         let face = self.face(standing, distance);
         let rate = core::f64::consts::TAU * frequency;
         let of = |wave| reflection(&standing.medium, &face, wave, 0.0, rate);
-        let (p, sv) = (of(PlaneWave::P)?, of(PlaneWave::Sv)?);
+        let (p, sv) = (of(BodyWave::P)?, of(BodyWave::Sv)?);
         Ok([p.p.norm(), sv.sv.norm()])
     }
 
