@@ -45,7 +45,7 @@ fn record(data: &Path) -> Outcome<powerhouse::wavefield::RecordSignal> {
         ..RecordOptions::default()
     };
     let record = read_record(&data.join("records/el_centro_1940_ns.csv"), &options)?;
-    let history = TimeHistory::new(record.step, record.samples)?.first(20.0, 0.0)?;
+    let history = TimeHistory::new(record.step, record.samples)?.truncated(20.0, 0.0)?;
     let (history, report) =
         history.corrected(BaselineCorrection::VelocityPolynomial { order: 5 })?;
     println!(

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use powerhouse::engine::observe::HistoryTable;
-use powerhouse::wavefield::{Complex, Signal, SignalMotion, Support};
+use powerhouse::wavefield::{Complex, Signal, SignalMotion, SignalSupport};
 
 use super::{RADIUS, SAMPLES, STATIONS, WALL, rock, unit_of_time};
 use crate::Outcome;
@@ -79,9 +79,9 @@ impl Signal for Steady {
             acceleration: a * (bend * sine + 2.0 * rise * w * cosine - level * w * w * sine),
         }
     }
-    fn support(&self) -> Support {
+    fn support(&self) -> SignalSupport {
         let period = 2.0 * PI / self.frequency;
-        Support {
+        SignalSupport {
             start: 0.0,
             end: 1.0e3 * period,
             step: 0.01 * period,

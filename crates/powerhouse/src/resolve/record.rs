@@ -191,7 +191,7 @@ fn cut_out(
     let first = (start / history.step()).round() as usize;
     let samples = history.acceleration();
     let from_start = samples.get(first..).unwrap_or_default().to_vec();
-    TimeHistory::new(history.step(), from_start)?.first(end - start, taper)
+    TimeHistory::new(history.step(), from_start)?.truncated(end - start, taper)
 }
 
 fn correction(baseline: &Baseline) -> BaselineCorrection {
@@ -245,7 +245,7 @@ pub(super) fn cut_short(
     let whole = history.arias_intensity();
     let held = (end - arrival).min(history.duration());
     let part = match held > history.step() {
-        true => history.first(held, 0.0).ok()?.arias_intensity(),
+        true => history.truncated(held, 0.0).ok()?.arias_intensity(),
         false => 0.0,
     };
     (part < HELD * whole).then(|| Remark::CutShort {

@@ -191,7 +191,7 @@ fn records() {
     let by = |correction| corrected(&history(), correction);
     let cut = |taper: f64| {
         let from = TimeHistory::new(0.01, samples(90)[5..].to_vec()).unwrap();
-        corrected(&from.first(0.6, taper).unwrap(), REST)
+        corrected(&from.truncated(0.6, taper).unwrap(), REST)
     };
     for (keys, (history, lead)) in [
         (format!("{one}{baseline}"), plain()),
