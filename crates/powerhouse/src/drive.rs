@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_explicit_core::observe::principal_stresses;
 use powerhouse_io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot, write_table};
-use powerhouse_material_damage::{Control, PointDriver, PointRecord};
+use powerhouse_material_damage::{Control, PointDriver, PointState};
 use powerhouse_model::{HistoryKind, HistoryVariable, PointAdapter, Stress};
 use serde::Deserialize;
 
@@ -114,7 +114,7 @@ struct Prescribed {
 
 impl Leg {
     /// The targets, one after the other, from the strains at its start, and the steps to each.
-    fn targets(&self, now: &PointRecord) -> Result<(Vec<[Control; 6]>, usize), Fault> {
+    fn targets(&self, now: &PointState) -> Result<(Vec<[Control; 6]>, usize), Fault> {
         let (targets, steps) = match self {
             Self::Uniaxial { strain, steps } => (vec![Control::uniaxial(strain.get())], steps),
             Self::Triaxial {
@@ -275,13 +275,13 @@ pub struct PointTest {
     /// Its history variables.
     pub variables: Vec<HistoryVariable>,
     /// The start and the end of every step.
-    pub records: Vec<PointRecord>,
+    pub records: Vec<PointState>,
 }
 
 impl PointTest {
     /// Strains, stresses, principal stresses, work and history against steps.
     pub fn columns(&self) -> Vec<TableColumn> {
-        let column = |name: String, unit: &str, value: &dyn Fn(&PointRecord) -> f64| {
+        let column = |name: String, unit: &str, value: &dyn Fn(&PointState) -> f64| {
             TableColumn::new(name, unit, self.records.iter().map(value).collect())
         };
         let steps = (0..self.records.len()).map(|step| step as f64).collect();
@@ -313,7 +313,7 @@ impl PointTest {
     /// free may go further than the axis that is led.
     fn component(&self) -> usize {
         let reach = |i: usize| {
-            let greatest = |number: fn(&PointRecord, usize) -> f64| {
+            let greatest = |number: fn(&PointState, usize) -> f64| {
                 let numbers = self.records.iter().map(|record| number(record, i).abs());
                 numbers.fold(0.0, f64::max)
             };

@@ -255,7 +255,7 @@ fn edits_change_what_they_name() {
 }
 
 /// Invalid histories are refused by name: no samples, one, a sample or a step that is
-/// that is none, a coarser step, a cut beyond the end, a scale of nothing.
+/// NaN, a coarser step, a cut beyond the end, a scale of zero to a peak.
 #[test]
 fn impossible_histories_are_refused() {
     let few = TimeHistory::new(0.1, vec![1.0]);
