@@ -302,7 +302,7 @@ fn faulty_pictures_are_refused() {
     let nan = Picture::new(&mesh, PictureField::Nodal(&values), "speed");
     let message = write_picture(&file, &nan).unwrap_err().to_string();
     assert!(
-        message.contains("'speed'") && message.contains("place 13"),
+        message.contains("'speed'") && message.contains("index 13"),
         "{message}"
     );
     let sound = Picture::new(&mesh, PictureField::Sets, "");
@@ -404,7 +404,7 @@ fn faulty_plots_are_refused() {
         .unwrap_err()
         .to_string();
     assert!(
-        message.contains("'floor'") && message.contains("place 7"),
+        message.contains("'floor'") && message.contains("index 7"),
         "{message}"
     );
     let mut short = table();

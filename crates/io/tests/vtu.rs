@@ -189,7 +189,7 @@ fn whole_numbers_are_integers() {
         faulty[7] = value;
         assert!(matches!(
             writer.write(&file, 0.0, &[], &field(&faulty)),
-            Err(IoError::NotWhole { what, place: 7, .. }) if what == "yield_state"
+            Err(IoError::NotWhole { what, index: 7, .. }) if what == "yield_state"
         ));
     }
     std::fs::remove_dir_all(folder).unwrap();
@@ -224,7 +224,7 @@ fn faulty_fields_are_refused() {
     }];
     assert!(matches!(
         writer.write(&file, 0.0, &infinite, &[]),
-        Err(IoError::NotFinite { what, place: 5, .. }) if what == "speed"
+        Err(IoError::NotFinite { what, index: 5, .. }) if what == "speed"
     ));
     assert!(!file.exists());
 }

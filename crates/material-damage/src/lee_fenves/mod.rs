@@ -13,7 +13,7 @@ use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history;
 use crate::plastic_damage::{
-    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_PLACES,
+    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_INDICES,
     DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE, nominal_change, share_of_tension,
 };
 use crate::remaining;
@@ -467,7 +467,7 @@ impl ConstitutiveLaw for LeeFenves {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, Some(DAMAGE_PLACES))
+        remaining::of_flow(input, new_history, Some(DAMAGE_INDICES))
     }
     /// Consistent tangent with constant widths of bands; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {

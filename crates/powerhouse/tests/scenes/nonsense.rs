@@ -708,7 +708,7 @@ fn what_is_no_record_is_named() {
         (CUBE, "a scene"),
         ("<html></html>", "a page of markup"),
         ("PEER record\nno header\n", "PEER AT2"),
-        ("\0\0\u{1}", "bytes that are no text"),
+        ("\0\0\u{1}", "bytes that are not text"),
     ] {
         fs::write(variants.0.0.join("r.at2"), content).unwrap();
         let fault = fault(&variants, "[time]", record).to_string();

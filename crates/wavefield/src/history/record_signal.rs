@@ -1,7 +1,7 @@
 //! Records that end at rest, as the signals of waves.
 
 use super::{Node, RecordReport, TimeHistory};
-use crate::{Signal, SignalMotion, Support, WaveError};
+use crate::{Signal, SignalMotion, SignalSupport, WaveError};
 
 /// Declared displacement of the ground at the end of a record.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -156,8 +156,8 @@ impl Signal for RecordSignal {
         }
     }
     /// Interval of the record and its closing segment, at a quarter of the record's step.
-    fn support(&self) -> Support {
-        Support {
+    fn support(&self) -> SignalSupport {
+        SignalSupport {
             start: 0.0,
             end: self.end,
             step: 0.25 * self.history.step(),
