@@ -69,7 +69,7 @@ impl fmt::Display for Finding {
                 in_force,
             } => write!(
                 f,
-                "the tensile strength of {listed:.4e} Pa lies beyond the apex c cot(phi) = \
+                "the tensile strength of {listed:.4e} Pa is beyond the apex c cot(phi) = \
                  {apex:.4e} Pa and is without effect: uniaxial tension yields at {in_force:.4e} Pa"
             ),
             Self::TensileStrength { listed, in_force } => write!(
@@ -83,13 +83,13 @@ impl fmt::Display for Finding {
             ),
             Self::Cohesion { listed, in_force } => write!(
                 f,
-                "the compressive strength demands a cohesion of {in_force:.4e} Pa under \
+                "the compressive strength requires a cohesion of {in_force:.4e} Pa under \
                  confinement, not the listed {listed:.4e} Pa"
             ),
             Self::Hardening { limit, strength } => write!(
                 f,
                 "crushing begins at {limit:.4e} Pa and hardens up to {strength:.4e} Pa: the energy \
-                 that it takes depends on the mesh"
+                 that it dissipates depends on the mesh"
             ),
             Self::NearlyIncompressible { poisson } => write!(
                 f,

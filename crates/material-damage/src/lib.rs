@@ -23,7 +23,7 @@
 //! yielding point makes its pack evaluate the return. All laws have consistent tangents for statics.
 //!
 //! [`presets`] hold published materials, [`MohrCoulomb::findings`] lists inconsistencies of their
-//! parameters, and [`PointDriver`] takes one point along paths of strain and stress.
+//! parameters, and [`PointDriver`] evaluates a law at one point along paths of strain and stress.
 //!
 //! # Example
 //! ```

@@ -16,7 +16,7 @@ pub struct StartLevel {
 }
 
 impl StartLevel {
-    /// Larger value of the two.
+    /// Larger one of the displacement and velocity levels (1).
     pub fn largest(&self) -> f64 {
         self.displacement.max(self.velocity)
     }

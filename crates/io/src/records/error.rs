@@ -70,7 +70,7 @@ pub enum RecordFault {
         what: &'static str,
     },
     /// The number of samples differs from the declared one.
-    #[error("the header declares {declared} samples, the file holds {found}")]
+    #[error("the header declares {declared} samples, the file has {found}")]
     Count {
         /// Declared number of samples.
         declared: u64,

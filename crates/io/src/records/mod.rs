@@ -117,7 +117,7 @@ fn other_format(text: &str) -> Option<&'static str> {
     if start.starts_with("[mesh]") || start.contains("\n[mesh]") {
         return Some("a scene");
     }
-    // Titles of old records hold some bytes of other encodings, but no NUL.
+    // Titles of old records have some bytes of other encodings, but no NUL.
     start
         .contains('\0')
         .then_some("a file of bytes that are not text")

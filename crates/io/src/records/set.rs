@@ -38,9 +38,9 @@ pub fn common_length(components: &mut [Record], rule: LengthRule) -> Result<(), 
     for record in components {
         let before = record.samples.len();
         if before != length {
-            record
-                .warnings
-                .push(format!("{before} samples brought to {length}"));
+            record.warnings.push(format!(
+                "{before} samples changed to {length} for a common length"
+            ));
             record.samples.resize(length, 0.0);
         }
     }

@@ -21,7 +21,7 @@ const MOST_TANGENT_CORRECTIONS: usize = 6;
 /// Tolerance of stresses, relative to the largest stress at the point; corrections continue as long
 /// as the residual decreases.
 const TOLERANCE: f64 = 1.0e-9;
-/// The same in rounding errors of the elastic stress of the strain.
+/// Tolerance of stresses in rounding errors of the elastic stress of the strain.
 const ROUNDINGS: f64 = 4.0;
 /// Stiffness below this share of Young's modulus counts as zero and is replaced by the elastic one.
 const NO_STIFFNESS: f64 = 1.0e-7;
@@ -51,7 +51,7 @@ pub struct PointState {
     pub work: f64,
 }
 
-/// Material point driver: takes one point of a law along a path of strain and stress, without a mesh.
+/// Material point driver: evaluates a law at one point along a path of strain and stress, without a mesh.
 ///
 /// Of every component, xx yy zz xy yz zx, either the strain or the stress is prescribed, independently
 /// of the others; the other strains are found by Newton's method with difference quotients.
