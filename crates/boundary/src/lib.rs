@@ -54,10 +54,10 @@
 //! | time per node and step, without input, one thread | about 40 ns | the same | the same |
 //!
 //! B = 1.1 reflects 4.8 % of the amplitude at normal incidence, at any distance; springs with B = 1
-//! reflect less from about `w r/cp` = 2 up and support the body statically as well. Neither absorbs waves at grazing
-//! incidence: these need distance to the boundary. With springs of `4 G/r` (a `distance` of
-//! `(lambda + 2 G) r/(4 G (1 + A))`) the static displacement of a spherical cavity is exact; such
-//! springs reflect more of short waves (0.10 0.24 0.45 0.71).
+//! reflect less from about `w r/cp` = 2 up and support the body statically as well. Neither absorbs
+//! waves at grazing incidence: these need distance to the boundary. With springs of `4 G/r` (a
+//! `distance` of `(lambda + 2 G) r/(4 G (1 + A))`) the static displacement of a spherical cavity is
+//! exact; such springs reflect more of short waves (0.10 0.24 0.45 0.71).
 //!
 //! [`DomainReduction`] reflects what the boundary outside its layer reflects, and keeps the free field
 //! out of everything beyond the layer: with the field of the mesh itself the motion there is 2e-15 of

@@ -185,7 +185,7 @@ struct ConeReturn<L> {
     mean: [L; 2],
     /// Shares of the trial's deviator that remain and that are removed.
     deviator: [L; 2],
-    /// Number of the [`YieldState`](crate::YieldState) as stored in the history.
+    /// Number of the [`YieldState`] as stored in the history.
     state: L,
 }
 

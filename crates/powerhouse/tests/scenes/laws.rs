@@ -443,7 +443,7 @@ fn doubts_are_told() {
     let warnings = simulation.remarks().iter().filter(|r| r.is_warning());
     let told: Vec<String> = warnings.map(Remark::to_string).collect();
     for passage in [
-        "part 'rock': the tensile strength of 1.3000e6 Pa lies beyond the apex",
+        "part 'rock': the tensile strength of 1.3000e6 Pa is beyond the apex",
         "a uniaxial compressive strength of 4.7167e6 Pa, not the listed 3.5000e7 Pa",
         "part 'rock' of the law 'mohr-coulomb' touches an absorbing face",
     ] {
