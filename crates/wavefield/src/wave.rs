@@ -221,7 +221,7 @@ impl PlaneWave {
         Ok(wave)
     }
 
-    /// The parameters of the wave.
+    /// Parameters of the wave.
     pub fn parameters(&self) -> &PlaneWaveParameters {
         &self.parameters
     }
@@ -263,7 +263,7 @@ impl PlaneWave {
         later
     }
 
-    /// The tables of the analytic signal.
+    /// Tables of the analytic signal.
     fn tables(&self) -> Result<&AnalyticTables, WaveError> {
         if let Some(tables) = self.tables.get() {
             return Ok(tables);

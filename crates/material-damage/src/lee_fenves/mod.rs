@@ -74,8 +74,8 @@ pub struct LeeFenvesParameters {
 ///
 ///   `(1 - d_c) c = f_0 ((1 + a) exp(-b_c e_c) - a exp(-2 b_c e_c))`, `1 - d_c = exp(-r_c b_c e_c)`
 ///
-/// where `a >= 1` makes the peak `f_c`, and `b_t`, `b_c` are such that a band of the element's
-/// width dissipates the fracture energy, elastic energy included;
+///   where `a >= 1` makes the peak `f_c`, and `b_t`, `b_c` are such that a band of the element's
+///   width dissipates the fracture energy, elastic energy included;
 /// - `de_t = r <dp1>`, `de_c = (1 - r) <-dp3>` of the greatest and least increment of plastic strain
 ///   and the share of tension `r = sum <s_i> / sum |s_i|`;
 /// - `D = 1 - (1 - d_c)(1 - (1 - w (1 - r)) d_t)` with the stiffness recovery `w`.
