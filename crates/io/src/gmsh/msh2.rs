@@ -9,7 +9,7 @@ use super::cursor::{Cursor, RecordSize};
 use super::error::{GmshFault, Located};
 use super::format::Encoding;
 use super::raw::{GroupLists, NodeOffsets, RawElement, RawElements, RawNodes};
-use super::shape::{Meaning, Shape};
+use super::shape::{Shape, TypeOfNumber};
 
 /// Count at the start of a section, which is text in binary files too.
 fn count(
@@ -149,12 +149,12 @@ pub(super) fn elements(
 fn shape(cursor: &Cursor<'_>, offset: usize, number: i32, element: u64) -> Result<Shape, Located> {
     let number = number.into();
     match Shape::of_number(number) {
-        Meaning::Read(shape) => Ok(shape),
-        Meaning::Unsupported(name) => {
+        TypeOfNumber::Read(shape) => Ok(shape),
+        TypeOfNumber::Unsupported(name) => {
             let fault = GmshFault::UnsupportedElement { name, element };
             Err(cursor.fault(offset, fault))
         }
-        Meaning::Unknown => Err(cursor.fault(offset, GmshFault::ElementType { number })),
+        TypeOfNumber::Unknown => Err(cursor.fault(offset, GmshFault::ElementType { number })),
     }
 }
 

@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::cursor::{Cursor, RecordSize};
 use super::error::{GmshFault, Located};
 use super::raw::{GroupList, GroupLists, NodeOffsets};
-use super::shape::{Meaning, Shape};
+use super::shape::{Shape, TypeOfNumber};
 
 /// Physical groups of each entity by dimension and number.
 pub(super) type EntityGroups = HashMap<(usize, i32), GroupList>;
@@ -250,8 +250,8 @@ pub(super) fn elements(cursor: &mut Cursor<'_>) -> Result<ElementLayout, Located
         let type_at = cursor.offset();
         let type_number = cursor.integer("an element type")?;
         let shape = match Shape::of_number(type_number.into()) {
-            Meaning::Read(shape) => Some(shape),
-            Meaning::Unsupported(name) => {
+            TypeOfNumber::Read(shape) => Some(shape),
+            TypeOfNumber::Unsupported(name) => {
                 if cursor.count(least, "elements")? > 0 {
                     let element = cursor.size("the number of an element")?;
                     let fault = GmshFault::UnsupportedElement { name, element };
@@ -259,7 +259,7 @@ pub(super) fn elements(cursor: &mut Cursor<'_>) -> Result<ElementLayout, Located
                 }
                 None
             }
-            Meaning::Unknown => {
+            TypeOfNumber::Unknown => {
                 let number = type_number.into();
                 return Err(cursor.fault(type_at, GmshFault::ElementType { number }));
             }
