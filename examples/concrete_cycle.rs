@@ -29,7 +29,7 @@ use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 use powerhouse::material::{
     ConeFit, Control, DruckerPrager, DruckerPragerParameters, LeeFenves, LeeFenvesParameters,
     Mazars, MazarsParameters, MazarsTension, MohrCoulomb, MohrCoulombParameters, PlasticDamage,
-    PlasticDamageParameters, PointDriver, PointRecord, Softening, SofteningPlasticity,
+    PlasticDamageParameters, PointDriver, PointState, Softening, SofteningPlasticity,
     SofteningPlasticityParameters, StrengthFall, TwoSurface, TwoSurfaceParameters, YieldSurface,
     presets,
 };
@@ -51,14 +51,14 @@ const SOFTENING: LeeFenvesParameters = LeeFenvesParameters {
 };
 
 /// Strain (thousandths) and stress (MPa) along z.
-fn curve(path: &[PointRecord]) -> [Vec<f64>; 2] {
+fn curve(path: &[PointState]) -> [Vec<f64>; 2] {
     let strain = path.iter().map(|record| 1.0e3 * record.strain.0[2]);
     let stress = path.iter().map(|record| 1.0e-6 * record.stress.0[2]);
     [strain.collect(), stress.collect()]
 }
 
 /// Leads a point of a law in an element of 0.2 m through ends of strain along z.
-fn lead(law: impl ConstitutiveLaw, ends: &[f64]) -> Outcome<Vec<PointRecord>> {
+fn lead(law: impl ConstitutiveLaw, ends: &[f64]) -> Outcome<Vec<PointState>> {
     let mut point = PointDriver::new(law).with_size(0.2)?;
     let mut path = vec![point.state().clone()];
     for end in ends {
