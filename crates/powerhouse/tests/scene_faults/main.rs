@@ -307,7 +307,7 @@ fn nothing_is_taken_and_ignored() {
         (
             "kernel = \"hex8-full\"",
             "kernel = §\"wedge6\"",
-            "no element that the kernel 'wedge6' takes",
+            "the kernel 'wedge6' is not for any element",
         ),
         (
             "file = \"../records",
@@ -473,7 +473,7 @@ fn starts_of_joints_have_their_place() {
         (
             &bonded,
             "unbonded = [{ set = \"lining\" }, §{ set = \"top\" }]",
-            "joint 'bond' has no pair in set 'top'",
+            "joint 'bond' has no node pair in set 'top'",
         ),
         (
             &bonded,
@@ -483,7 +483,7 @@ fn starts_of_joints_have_their_place() {
         (
             &bonded,
             "unbonded = [§{ low = [1, 1, 1], high = [2, 2, 2] }]",
-            "no pair in the box from (1, 1, 1) m to (2, 2, 2) m",
+            "no node pair in the box from (1, 1, 1) m to (2, 2, 2) m",
         ),
         (
             &rubbing,
@@ -544,7 +544,7 @@ fn histories_of_joints_have_their_place() {
         (
             "\"j\"",
             "§\"j\"\nset = \"top\"",
-            "joint 'bond' has no pair in set 'top'",
+            "joint 'bond' has no node pair in set 'top'",
         ),
         (
             "\"j\"",

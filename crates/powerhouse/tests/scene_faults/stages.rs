@@ -111,7 +111,7 @@ fn faults_of_stages_have_their_place() {
         (
             "bolts = [\"roof\"]",
             "bolts = [\"roof\", §\"roof\"]",
-            "'roof' stands twice in the list 'bolts'",
+            "'roof' is repeated in the list 'bolts'",
         ),
         (
             "bolts = [\"roof\"]",

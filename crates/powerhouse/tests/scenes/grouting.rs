@@ -497,5 +497,8 @@ fn from_where_joints_count_is_said() {
         "{found}"
     );
     let found = said(vec![stage("ground", GRADIENTS).tie("seam")]);
-    assert!(found.contains("when the body started to move"), "{found}");
+    assert!(
+        found.contains("its position at the start of the run"),
+        "{found}"
+    );
 }

@@ -274,7 +274,7 @@ fn faults_have_their_place() {
         (
             "law = \"plastic-damage\"\nPRESET\nfit = \"inscribed\"\n",
             9,
-            "only a Drucker-Prager surface has a fit",
+            "the key 'fit' is permitted with surface",
         ),
         (
             "law = \"plastic-damage\"\nPRESET\ntension = { rate = 1e3, fracture_energy = 100 }\n",
@@ -294,7 +294,7 @@ fn faults_have_their_place() {
         (
             "law = \"mazars\"\nPRESET\n",
             8,
-            "the preset has no parameters of this law",
+            "the preset contains no parameters of this law",
         ),
         (
             "law = \"mazars\"\npreset = \"paper-c25\"\ntension = { rate = 1e4 }\n",
@@ -334,7 +334,7 @@ fn faults_have_their_place() {
         (
             "law = \"lee-fenves\"\nPRESET\n",
             8,
-            "the preset has no parameters of this law",
+            "the preset contains no parameters of this law",
         ),
         (
             "law = \"lee-fenves\"\nyoung = 1e9\npoisson = 0.2\ndensity = 2e3\ntensile_strength = 1e6\ncompressive_strength = 1e7\n",

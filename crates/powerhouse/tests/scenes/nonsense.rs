@@ -176,7 +176,7 @@ fn magnitudes_beyond_the_usual_are_refused() {
         (
             "young = 9.0e9",
             "young = 9",
-            "young = 9 Pa is beyond what is usual, 1e5 to 1.2e12 Pa; 9 GPa would be 9e9 Pa",
+            "young = 9 Pa is outside the usual range of 1e5 to 1.2e12 Pa; 9 GPa would be 9e9 Pa",
         ),
         (
             "density = 2750",
@@ -347,7 +347,7 @@ fn names_of_results_are_checked_before_the_run() {
             panic!("{first} and {second} were accepted")
         };
         assert!(
-            fault.to_string().contains("would share the file"),
+            fault.to_string().contains("would both have the file"),
             "{fault}"
         );
         let (line, _) = fault.position();

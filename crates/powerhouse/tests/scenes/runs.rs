@@ -75,7 +75,7 @@ fn a_curve_names_an_edge() {
         panic!("a part of bars was accepted")
     };
     assert!(
-        fault.to_string().contains("which no kernel computes"),
+        fault.to_string().contains("for which there is no kernel"),
         "{fault}"
     );
     assert!(fault.render(false).contains("set = \"edge\""), "{fault}");

@@ -1,12 +1,12 @@
 //! Assignment of usual ranges to the keys of a scene file.
 
 use crate::magnitude as usual;
-use crate::magnitude::Usual;
+use crate::magnitude::UsualRange;
 
-/// Usual range of the number under a key of a table.
+/// UsualRange range of the number under a key of a table.
 ///
 /// A key denotes the same quantity in all tables, except those that are listed with their table.
-pub(super) fn of(table: &str, key: &str) -> Usual {
+pub(super) fn of(table: &str, key: &str) -> UsualRange {
     match (table, key) {
         ("grout", "stiffness") => usual::GROUT_STIFFNESS,
         ("grout", "strength") => usual::GROUT_STRENGTH,
