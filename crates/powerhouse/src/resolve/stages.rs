@@ -1,4 +1,4 @@
-//! Stages, bolts and the stress of the ground.
+//! Construction stages, bolts and in-situ stress from scene files.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ use crate::{BoltPlace, InSituStress, Material, Scene, SceneBolts, SceneStage};
 /// Young's modulus of steel (Pa).
 const STEEL: f64 = 200.0e9;
 
-/// Composes stages, bolts and the stress of the ground, and sees that each can be as it is to.
+/// Composes and checks stages, bolts and in-situ stress.
 pub(super) fn stages(
     text: &SceneText,
     names: &Names,
@@ -46,23 +46,23 @@ pub(super) fn stages(
     let Some(timeline) = timeline else {
         return Ok(());
     };
-    for (place, stage) in file.stages.iter().enumerate() {
-        let present = &timeline.moments[place].present;
+    for (index, stage) in file.stages.iter().enumerate() {
+        let present = &timeline.configurations[index].present;
         for load in &stage.loads {
             if let Some(name) = load.removed_in() {
-                let checked = check_removal(&scene.stages, place, name);
+                let checked = check_removal(&scene.stages, index, name);
                 checked.map_err(|error| Fault::refused(name.span(), error))?;
             }
             let facets = |set: &At<String>| -> Result<Vec<Facet>, Fault> {
                 let facets = surface_of(names.mesh, present, names.facets(set)?);
                 if facets.is_empty() {
-                    let found = "facets inside the body, or of what is not there".into();
+                    let found = "facets inside the body or of inactive elements".into();
                     let expected = "facets on its surface".into();
                     return Err(Fault::new(set.span(), Problem::Value { found, expected }));
                 }
                 Ok(facets)
             };
-            let own = &mut scene.stages[place];
+            let own = &mut scene.stages[index];
             match loads::load(names, load, &facets)? {
                 loads::LoadOrWeight::Load(load) => own.loads.push(load),
                 loads::LoadOrWeight::Weight(acceleration, history) => {
@@ -74,7 +74,7 @@ pub(super) fn stages(
     Ok(())
 }
 
-/// Where stages stand, and what they name.
+/// Byte ranges of stages and of the values in them.
 fn places(file: &SceneFile) -> StageSpans {
     let mut places = StageSpans::default();
     let mut put = |stage: Option<&At<String>>, key, value: &str, place| {
@@ -243,7 +243,7 @@ fn end(end: format::BoltEnd) -> engine::BoltEnd {
     }
 }
 
-/// A stage without its loads, which need to know what is there.
+/// Stage without its loads, which depend on the active elements.
 fn stage(
     names: &Names,
     table: &format::Stage,
@@ -302,10 +302,10 @@ fn static_method(method: &At<format::StaticMethod>) -> Result<StaticMethod, Faul
         format::StaticMethod::Newton => Ok(StaticMethod::Cholesky(Linearisation::Tangent)),
         #[cfg(not(feature = "direct"))]
         format::StaticMethod::Cholesky | format::StaticMethod::Newton => {
-            let found = "a direct solver, which this build does not have".into();
+            let found = "a direct solver, which this build does not include".into();
             let expected = "conjugate-gradients or dynamic-relaxation".into();
             let fault = Fault::new(method.span(), Problem::Value { found, expected });
-            Err(fault.with_help("cargo's `--features direct` brings it"))
+            Err(fault.with_help("build with `--features direct`"))
         }
     }
 }

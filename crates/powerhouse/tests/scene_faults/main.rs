@@ -337,7 +337,7 @@ fn nothing_is_taken_and_ignored() {
         (
             "[time]",
             "[[support]]\nkind = \"roller\"\nset = §\"intrados\"\n[time]",
-            "found facets that face different ways",
+            "found facets with different normals",
         ),
         (
             "[time]",

@@ -96,7 +96,7 @@ fn faults_of_stages_have_their_place() {
         (
             "[[stage.load]]",
             "[[stage]]\nname = \"again\"\ncast = [§\"lining\"]\n[[stage.load]]",
-            "is to be cast, but is there already",
+            "cannot be cast: it is active already",
         ),
         (
             "[[stage.load]]",
@@ -126,7 +126,7 @@ fn faults_of_stages_have_their_place() {
         (
             "name = \"lining\"",
             "name = §\"ground\"",
-            "another stage of this name",
+            "another stage has the same name",
         ),
         ("cast =", "release = §1.5\ncast =", "above 0 and at most 1"),
         ("cast =", "increments = §0\ncast =", "a whole number"),
@@ -155,17 +155,17 @@ fn faults_of_stages_have_their_place() {
         (
             "pressure = 1e5",
             "pressure = 1e5\nremoved_in = §\"linning\"",
-            "no stage 'linning' that could take the load off",
+            "no stage 'linning' that could remove the load",
         ),
         (
             "pressure = 1e5",
             "pressure = 1e5\nremoved_in = §\"lining\"",
-            "stage 'lining' cannot take the load off: it acts from stage 'lining' on",
+            "stage 'lining' cannot remove the load: it acts from stage 'lining' on",
         ),
         (
             "pressure = 1e5",
             "pressure = 1e5\nremoved_in = §\"ground\"",
-            "stage 'ground' cannot take the load off",
+            "stage 'ground' cannot remove the load",
         ),
         (
             "[in_situ_stress]",
@@ -208,5 +208,5 @@ fn faults_of_stages_have_their_place() {
     // A preload would count what the stages find a second time.
     let joint = "[[joint]]\nname = \"contact\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"tied\"\npreload = §{ kind = \"pressure\", pressure = 1e5 }\n[[bolt]]";
     let fault = fault_of(&sound, "[[bolt]]", joint);
-    assert!(fault.to_string().contains("count twice"), "{fault}");
+    assert!(fault.to_string().contains("counted twice"), "{fault}");
 }
