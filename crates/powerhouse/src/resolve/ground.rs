@@ -101,8 +101,8 @@ pub(super) fn field(
                 .extend(cut_short(name, record, arrival, &scene));
         }
     }
-    let scene = scene.plane_waves(waves);
-    scene.map_err(|error| Fault::refused(first.incidence.span(), error))
+    let driven = scene.plane_waves(waves);
+    driven.map_err(|error| Fault::refused(first.incidence.span(), error))
 }
 
 /// Warning about a record along x or y of a wave whose azimuth is not 0.

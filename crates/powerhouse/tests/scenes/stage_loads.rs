@@ -173,7 +173,10 @@ fn loads_need_a_later_stage_that_takes_them_off() {
     for name in ["jack", "off", "ground"] {
         let stage = SceneStage::new("jack").temporary_load(jack(), name);
         let found = refused(scene().stage(stage));
-        assert!(found.contains(&format!("'{name}' cannot take")), "{found}");
+        assert!(
+            found.contains(&format!("'{name}' cannot remove")),
+            "{found}"
+        );
         assert!(found.contains("'jack' on"), "{found}");
     }
     let found = refused(scene().temporary_load(jack(), "ground"));

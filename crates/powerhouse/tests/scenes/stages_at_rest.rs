@@ -93,7 +93,7 @@ fn a_stage_may_be_interrupted() {
     );
 }
 
-/// Every method that a stage may name brings the body to the same rest; one that this build does not have
+/// Every method that a stage may name brings the body to the same rest; one that this build does not include
 /// is refused where it stands.
 #[test]
 fn stages_come_to_the_same_rest_by_every_method() {
@@ -121,7 +121,7 @@ fn stages_come_to_the_same_rest_by_every_method() {
             assert!(direct.solution.factorisations > 0 && direct.solution.products == 0);
         } else {
             let refused = by(method).err().unwrap().to_string();
-            assert!(refused.contains("this build does not have"), "{refused}");
+            assert!(refused.contains("this build does not include"), "{refused}");
         }
     }
 }
