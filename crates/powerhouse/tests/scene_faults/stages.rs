@@ -43,8 +43,7 @@ pressure = 1e5
 
 [time]"#;
 
-/// What is wrong with stages, bolts or the in-situ stress is told where it stands, when the scene is
-/// read.
+/// A fault of stages, bolts or the in-situ stress is reported with its position when the scene is read.
 #[test]
 fn faults_of_stages_have_their_place() {
     let sound = staged();
@@ -189,7 +188,7 @@ fn faults_of_stages_have_their_place() {
     let idle = sound.replace("bolts = [\"roof\"]\n", "");
     let fault = fault_of(&idle, "name = \"roof\"", "name = §\"roof\"");
     assert!(fault.to_string().contains("no stage installs"), "{fault}");
-    // Without a stage there is nothing to bring the ground to rest.
+    // Without a stage the ground cannot reach static equilibrium.
     let from = sound.find("[[stage]]").unwrap();
     let until = sound.find("[time]").unwrap();
     let none = [&sound[..from], &sound[until..]].concat();
@@ -205,7 +204,7 @@ fn faults_of_stages_have_their_place() {
         .count()
         + 1;
     assert_eq!(fault.position().0, line, "{fault}");
-    // A preload would count what the stages find a second time.
+    // A preload would be counted in addition to the traction of the stages.
     let joint = "[[joint]]\nname = \"contact\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"tied\"\npreload = §{ kind = \"pressure\", pressure = 1e5 }\n[[bolt]]";
     let fault = fault_of(&sound, "[[bolt]]", joint);
     assert!(fault.to_string().contains("counted twice"), "{fault}");
