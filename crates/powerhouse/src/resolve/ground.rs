@@ -158,7 +158,7 @@ fn plane_wave(
             let record = component(name, table.component.as_ref(), records)?;
             parameters.convention = record.convention;
             parameters.arrival -= record.lead;
-            span = record.place.clone();
+            span = record.convention_span.clone();
             let peak = factor.abs() * record.report.peak_acceleration;
             if let (Err(magnitude), true) = (
                 magnitude::RECORDED_PEAK.check("peak of the wave", peak),

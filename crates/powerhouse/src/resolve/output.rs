@@ -240,13 +240,13 @@ fn joint(
         };
         return Err(Fault::new(request.joint.span(), problem));
     };
-    let place = request.name.span();
+    let span = request.name.span();
     let zone = match request.zone() {
         None => JointZone::All,
-        Some(zone) => super::joints::zone(names, &zone, place.clone())?,
+        Some(zone) => super::joints::zone(names, &zone, span.clone())?,
     };
     let pairs = zone.pairs(names.mesh, (&joint.name, &joint.surface));
-    pairs.map_err(|error| Fault::refused(place, error))?;
+    pairs.map_err(|error| Fault::refused(span, error))?;
     let quantities = match &request.quantities {
         None => JointQuantities::ALL,
         Some(_) => {

@@ -30,7 +30,7 @@ pub(super) struct PreparedRecord {
     /// Byte range of its name in the scene file.
     pub(super) name: core::ops::Range<usize>,
     /// Byte range of its convention in the scene file.
-    pub(super) place: core::ops::Range<usize>,
+    pub(super) convention_span: core::ops::Range<usize>,
     pub(super) report: RecordReport,
     pub(super) baseline: Option<BaselineReport>,
     /// Differences of the file from its declaration.
@@ -91,7 +91,7 @@ fn processed(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRe
             end,
             convention: convention(&table.convention),
             lead: baseline.map_or(0.0, |report: BaselineReport| report.leading_pad),
-            place: table.convention.span(),
+            convention_span: table.convention.span(),
             report,
             baseline,
             doubts,

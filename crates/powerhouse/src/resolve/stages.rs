@@ -29,7 +29,7 @@ pub(super) fn stages(
     materials: &BTreeMap<String, Material>,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
-    scene.places.stages = places(file);
+    scene.places.stages = stage_spans(file);
     if let Some(stress) = &file.in_situ_stress {
         scene.in_situ_stress = Some(in_situ(text, names.mesh, stress)?);
     }
@@ -40,8 +40,8 @@ pub(super) fn stages(
         scene.stages.push(self::stage(names, stage, materials)?);
     }
     let timeline = Timeline::of(scene).map_err(|error| {
-        let place = scene.places.of(&error).unwrap_or_default();
-        Fault::refused(place, error)
+        let span = scene.places.of(&error).unwrap_or_default();
+        Fault::refused(span, error)
     })?;
     let Some(timeline) = timeline else {
         return Ok(());
@@ -75,21 +75,21 @@ pub(super) fn stages(
 }
 
 /// Byte ranges of stages and of the values in them.
-fn places(file: &SceneFile) -> StageSpans {
-    let mut places = StageSpans::default();
-    let mut put = |stage: Option<&At<String>>, key, value: &str, place| {
+fn stage_spans(file: &SceneFile) -> StageSpans {
+    let mut spans = StageSpans::default();
+    let mut put = |stage: Option<&At<String>>, key, value: &str, span| {
         let stage = stage.map(|stage| stage.to_string());
-        places.items.insert((stage, key, value.to_owned()), place);
+        spans.items.insert((stage, key, value.to_owned()), span);
     };
     for bolts in &file.bolts {
         put(None, "bolt", bolts.name.as_str(), bolts.name.span());
     }
-    let without = [
+    let needing_stages = [
         file.in_situ_stress.as_ref().map(At::span),
         file.bolts.first().map(|bolts| bolts.name.span()),
     ];
-    if let Some(place) = without.into_iter().flatten().next() {
-        put(None, "stage", "", place);
+    if let Some(span) = needing_stages.into_iter().flatten().next() {
+        put(None, "stage", "", span);
     }
     put(None, "initial", "", file.time.initial.span());
     for name in file.loads.iter().filter_map(|load| load.removed_in()) {
@@ -127,10 +127,10 @@ fn places(file: &SceneFile) -> StageSpans {
         }
     }
     let names = file.stages.iter();
-    places.names = names
+    spans.names = names
         .map(|stage| (stage.name.to_string(), stage.name.span()))
         .collect();
-    places
+    spans
 }
 
 fn in_situ(
@@ -202,11 +202,12 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
             return Err(one_of(span, &["lines", "pattern"], &given));
         }
     };
-    let or_never = |value: &Option<At<Positive>>| value.as_ref().map_or(f64::INFINITY, |v| v.get());
+    let or_unlimited =
+        |value: &Option<At<Positive>>| value.as_ref().map_or(f64::INFINITY, |v| v.get());
     let parameters = BoltParameters {
         young: bolts.young.as_ref().map_or(STEEL, |young| young.get()),
         area,
-        yield_force: or_never(&bolts.yield_force),
+        yield_force: or_unlimited(&bolts.yield_force),
         pretension: bolts.pretension.as_ref().map_or(0.0, |force| force.get()),
         grout: bolts.grout.as_ref().map(|grout| engine::Grout {
             stiffness: grout.stiffness.get(),
@@ -214,7 +215,7 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
             head: end(grout.head),
             toe: end(grout.toe),
         }),
-        longest_segment: or_never(&bolts.longest_segment),
+        longest_segment: or_unlimited(&bolts.longest_segment),
     };
     parameters.check().map_err(|error| {
         let keys = [
@@ -226,8 +227,8 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
                 bolts.longest_segment.as_ref().map(At::span),
             ),
         ];
-        let place = keys.into_iter().find(|(name, _)| *name == error.name);
-        Fault::refused(place.and_then(|(_, place)| place).unwrap_or(span), error)
+        let key = keys.into_iter().find(|(name, _)| *name == error.name);
+        Fault::refused(key.and_then(|(_, of_key)| of_key).unwrap_or(span), error)
     })?;
     Ok(SceneBolts {
         name: bolts.name.to_string(),

@@ -161,7 +161,9 @@ fn leads_and_ends_are_said() {
     let lines = said(20.0);
     let line = &lines.iter().find(record).unwrap().1;
     assert!(
-        line.contains(&format!("begins {lead:.3} s before its own start")),
+        line.contains(&format!(
+            "extends it by {lead:.3} s before its original start"
+        )),
         "{line}"
     );
     let short = |line: &&(bool, String)| line.0 && line.1.contains("before record 'r0' at");

@@ -227,13 +227,13 @@ fn faults_have_their_place() {
     }
     let own = format!("damping = {{ {BAND} }}");
     let Err(Error::Scene(fault)) = read("law = \"no-tension\"\n", &own) else {
-        panic!("a law of which nobody knows the elastic part is damped in series");
+        panic!("flat damping of a law without elastic part was accepted");
     };
     assert_eq!(fault.position(), (12, 11), "{fault}");
     assert!(
         fault
             .to_string()
-            .contains("damping cannot stand in series with the law 'no-tension'")
+            .contains("flat damping is not available for the law 'no-tension'")
     );
 }
 

@@ -491,7 +491,7 @@ fn from_where_joints_count_is_said() {
         grouted(),
         stage("wait", GRADIENTS),
     ]);
-    let expected = "joint 'seam' count from where it stood before the stage 'injection'";
+    let expected = "joint 'seam' are counted from its position before stage 'injection'";
     assert!(
         found.contains(expected) && found.contains("grouted"),
         "{found}"

@@ -123,7 +123,7 @@ fn wishes_for_nothing_are_refused() {
     assert!(
         error
             .to_string()
-            .contains("two results are called 'bedding'"),
+            .contains("two results have the name 'bedding'"),
         "{error}"
     );
 }

@@ -178,7 +178,7 @@ fn state_that_nothing_remembers_is_told() {
     assert!(
         remarks(ELASTIC)
             .iter()
-            .any(|told| told.starts_with("history 'surface' asks for the state of element"))
+            .any(|told| told.starts_with("history 'surface' requests the state of element"))
     );
     assert_eq!(told(remarks(ELASTIC)), 1);
     let yields = "law = \"mohr-coulomb\"\npreset = \"paper-rock\"\n";

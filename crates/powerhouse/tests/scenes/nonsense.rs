@@ -375,7 +375,7 @@ fn names_of_results_are_checked_before_the_run() {
     ));
     let case = "[[case]]\nname = \"../up\"\n[time]";
     let told = fault(&variants, "[time]", case).to_string();
-    assert!(told.contains("no folder"), "{told}");
+    assert!(told.contains("cannot be the name of a folder"), "{told}");
 }
 
 /// Histories whose names have commas and quotes are written and read back by their names.

@@ -179,7 +179,7 @@ fn loads_need_a_later_stage_that_takes_them_off() {
         assert!(found.contains("'jack' on"), "{found}");
     }
     let found = refused(scene().temporary_load(jack(), "ground"));
-    assert!(found.contains("'ground' cannot take"), "{found}");
+    assert!(found.contains("'ground' cannot remove"), "{found}");
     // A scene without stages has none that could.
     let (_, from) = MATERIALS.split_once("[in_situ_stress]").unwrap();
     let (stress, _) = from.split_once("[boundary]").unwrap();

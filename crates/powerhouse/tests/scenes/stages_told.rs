@@ -96,7 +96,7 @@ fn a_material_of_what_is_not_there_is_refused() {
     };
     let told = fault.to_string();
     assert!(
-        told.contains("no element of part 'lining' is there"),
+        told.contains("no element of part 'lining' is active"),
         "{told}"
     );
     let line = 1 + text
