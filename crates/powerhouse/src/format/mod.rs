@@ -129,7 +129,7 @@ pub struct SceneFile {
     #[serde(default)]
     pub output: Output,
     /// Tolerance of the free-field check: the largest permitted relative L2 error of the velocity. If given, a
-    /// run first computes the scene's box without the structure and stops above this error.
+    /// run first computes the scene's box without the structure and stops above this error. No check by default.
     pub self_check: Option<At<Positive>>,
     /// Cases of a sweep: variants of the scene, each with the keys that it changes. A run of the scene itself
     /// ignores them.

@@ -14,8 +14,8 @@ pub struct Output {
     /// Path of the results folder, relative to the working directory; `results/` followed by the name of the
     /// scene file by default.
     pub directory: Option<PathBuf>,
-    /// Sampling interval of histories, relative displacements, section forces and joints (s), above 0; 0.005
-    /// by default.
+    /// Sampling interval of histories, relative displacements, section forces, joints and bolts (s), above 0;
+    /// 0.005 by default.
     pub every: Option<At<Positive>>,
     /// History requests: motion, stress or state variables against time at a point, node, set or element.
     #[serde(rename = "history", default)]
@@ -116,7 +116,8 @@ pub struct Section {
     pub at: At<[Finite; 3]>,
     /// Normal of the plane, a vector of any length: direction of the normal force, tension positive.
     pub normal: At<[Finite; 3]>,
-    /// Direction in the plane, a vector of any length, such as the axis of a tunnel: first shear direction.
+    /// Direction in the plane, a vector of any length whose normal component is ignored, such as the axis of a tunnel:
+    /// forces per metre are divided by the extent along it.
     pub along: At<[Finite; 3]>,
     /// Half the edge length (m) of a cube around `at`, along the axes, outside of which elements are ignored;
     /// unlimited by default. A plane cuts a ring twice: this selects one side.
