@@ -38,8 +38,8 @@ pub enum Damping {
     /// Rayleigh damping, proportional to mass and stiffness.
     Rayleigh(Rayleigh),
     /// Flat damping: frequency-independent in a band, by relaxation mechanisms (a generalised Maxwell body) in series
-    /// with the law. Construction stages have the static stiffness far below the band ([`DampingCost::at_rest`]), and
-    /// their stress does not relax in the run. The material must have a law of the software (`Material::from`) or
+    /// with the law. Construction stages have the static stiffness far below the band ([`DampingCost::at_rest`]),
+    /// and their stress does not relax in the run. The material must have a law of the software (`Material::from`) or
     /// come from [`Material::in_series`](crate::Material::in_series).
     Flat {
         /// Fitted relaxation mechanisms.
