@@ -337,7 +337,7 @@ fn run_tells_what_became_of_joints() {
         "pairs of 'rock-lining' that share nodes took ",
         "friction ",
         "impact ",
-        "warning: joint 'rock-lining' moved by ",
+        "warning: joint 'rock-lining' slipped or opened by ",
         "joints.csv",
         "plots/joint-at-crown.svg",
     ] {
@@ -347,7 +347,7 @@ fn run_tells_what_became_of_joints() {
     assert!(file("snapshots.pvd").contains("_rock-lining.vtu"));
     let summary = file("summary.json");
     assert!(
-        summary.contains("\"first_slip\"") && summary.contains("moved by"),
+        summary.contains("\"first_slip\"") && summary.contains("slipped or opened by"),
         "{summary}"
     );
 }

@@ -119,7 +119,10 @@ fn what_the_end_needs_is_tried_first() {
         assert!(!told.contains("completed"), "{told}");
     };
     std::fs::create_dir_all(block.out().join("histories.csv")).unwrap();
-    refused(&block, "a folder stands where the run writes this file");
+    refused(
+        &block,
+        "there is a folder of this name, which a result file needs",
+    );
     std::fs::remove_dir(block.out().join("histories.csv")).unwrap();
     // As much as it may be before the ending of a plot.
     let name = "x".repeat(252);

@@ -1,90 +1,89 @@
-//! Doubts about results as files and reports have them.
+//! Messages: texts of warnings and facts with their topic, as written to files and reports.
 
 use serde::Serialize;
 
 use crate::Remark;
 
-/// What of the results a doubt is about: reports put it there.
+/// Topic of a message: the group of results that it concerns, beside which reports show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Topic {
-    /// The motion that comes in.
+    /// Input motion: records, waves and prescribed motions.
     Input,
-    /// Motions, stresses and states against time, and their greatest values.
+    /// Histories and envelopes of motion, stress and state variables.
     Histories,
     /// Section forces.
     Sections,
-    /// Joints.
+    /// Joint results.
     Joints,
-    /// Bolts.
+    /// Bolt forces.
     Bolts,
-    /// The energy account.
+    /// Energy balance.
     Energy,
-    /// All of the run.
+    /// The run as a whole.
     Run,
 }
 
-/// A doubt about results as files and reports have it.
+/// Message: text of a warning or fact with its topic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Doubt {
-    /// What it is about.
+    /// Topic of the message.
     pub about: Topic,
-    /// One sentence.
+    /// Text, one sentence.
     pub text: String,
 }
 
-/// What the files of a run say beside its results.
+/// Remarks and warnings that are written to the files of a run beside its results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunNotes {
-    /// What was found while the scene was composed.
+    /// Remarks of the composition of the scene.
     pub remarks: Vec<Remark>,
-    /// Doubts that were found otherwise, such as those of a check.
+    /// Further warnings, such as those of a check.
     pub warnings: Vec<Doubt>,
 }
 
 impl RunNotes {
-    /// Doubts about a topic.
+    /// Warnings about a topic, as text lines.
     pub(crate) fn about(&self, topic: Topic) -> Vec<String> {
-        let doubts = self.doubts(&[]).into_iter();
-        let own = doubts.filter(|doubt| doubt.about == topic);
-        own.map(|doubt| format!("warning: {}", doubt.text))
+        let warnings = self.doubts(&[]).into_iter();
+        let own = warnings.filter(|warning| warning.about == topic);
+        own.map(|warning| format!("warning: {}", warning.text))
             .collect()
     }
-    /// All doubts, those of the results themselves last; each once.
+    /// All warnings without repetitions, those of the results last.
     pub(crate) fn doubts(&self, of_results: &[Remark]) -> Vec<Doubt> {
         let remarks = self.remarks.iter().filter(|remark| remark.is_warning());
-        let mut doubts: Vec<Doubt> = Vec::new();
+        let mut warnings: Vec<Doubt> = Vec::new();
         let all = (remarks.map(Remark::doubt))
             .chain(self.warnings.iter().cloned())
             .chain(of_results.iter().map(Remark::doubt));
-        for doubt in all {
-            doubts.push(doubt);
+        for warning in all {
+            warnings.push(warning);
         }
-        together(doubts)
+        together(warnings)
     }
-    /// What is no doubt.
+    /// Texts of the remarks that are facts.
     pub(crate) fn facts(&self) -> Vec<String> {
         let facts = self.remarks.iter().filter(|remark| !remark.is_warning());
         facts.map(Remark::to_string).collect()
     }
 }
 
-/// Doubts of which those that say the same of several names stand in one: the names of the others follow the
-/// first. Each stands once.
+/// Merges messages that differ only in the first quoted name into one message with all names, and drops repetitions.
 ///
 /// ```
 /// use powerhouse::{Doubt, Topic, together};
-/// let doubt = |text: &str| Doubt { about: Topic::Run, text: text.into() };
+/// let message = |text: &str| Doubt { about: Topic::Run, text: text.into() };
 /// let found = together([
-///     doubt("part 'rock' is damped"),
-///     doubt("part 'lining' is damped"),
-///     doubt("part 'rock' yields"),
+///     message("part 'rock' is damped"),
+///     message("part 'lining' is damped"),
+///     message("part 'rock' yields"),
 /// ]);
-/// assert_eq!(found, [doubt("part 'rock', 'lining' is damped"), doubt("part 'rock' yields")]);
+/// assert_eq!(found, [message("part 'rock', 'lining' is damped"), message("part 'rock' yields")]);
 /// ```
-pub fn together(doubts: impl IntoIterator<Item = Doubt>) -> Vec<Doubt> {
-    /// What stands before the first name, the names, and what stands behind.
+pub fn together(messages: impl IntoIterator<Item = Doubt>) -> Vec<Doubt> {
+    /// Text before the first quoted name, the names, and the text after it.
     struct Frame {
         about: Topic,
         before: String,
@@ -92,7 +91,7 @@ pub fn together(doubts: impl IntoIterator<Item = Doubt>) -> Vec<Doubt> {
         behind: String,
     }
     let mut frames: Vec<Frame> = Vec::new();
-    for Doubt { about, text } in doubts {
+    for Doubt { about, text } in messages {
         let named = text.split_once('\'').and_then(|(before, rest)| {
             let (name, behind) = rest.split_once('\'')?;
             Some((before.to_owned(), vec![name.to_owned()], behind.to_owned()))

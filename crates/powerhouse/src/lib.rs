@@ -1,9 +1,9 @@
-//! Powerhouse: explicit dynamic analysis of underground structures under waves that arrive at an
-//! angle.
+//! Powerhouse: explicit dynamic finite element analysis of underground structures under obliquely incident seismic
+//! waves.
 //!
-//! This crate is the facade. It re-exports the crates of the workspace under short names and adds
-//! the [`Scene`]: a mesh, its parts, the ground motion and what is wanted of a run, read from a
-//! file or composed in Rust.
+//! This crate re-exports the crates of the workspace under short names and adds the [`Scene`], the complete input of an
+//! analysis: mesh, parts, joints, ground motion, boundary, construction stages and output requests, read from a file
+//! or composed in Rust.
 //!
 //! ```no_run
 //! use powerhouse::{RunHooks, Scene};
@@ -20,24 +20,21 @@
 //! corner of the mesh's box that the wave hits first, unless a reference point is given.
 //!
 //! # Why so
-//! *One type.* A scene file is turned into the same [`Scene`] that Rust users compose: neither can
-//! do what the other cannot.
+//! *One type.* A scene file is converted into the same [`Scene`] that is composed in Rust, with the same capabilities.
 //!
-//! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are
-//! registered beside those that come with the software and named in scene files like them.
+//! *Open registry.* Laws, kernels and boundaries are found by name in a [`Registry`]; user-defined ones are registered
+//! beside the built-in ones and named in scene files like them.
 //!
-//! *Guards stand where the model is built.* What surrounds a body is checked when a scene is
-//! prepared, by sampling the field at the nodes that it drives: is it at rest where the body is, of
-//! one medium, without traction where the mesh is free? So scenes from files and from Rust, and
-//! fields of one's own, are guarded alike.
+//! *Checks when the model is built.* The surroundings of a body are checked when a scene is prepared, by sampling the
+//! free field at the boundary nodes: it must be negligible at the start of a body at rest, have the medium of the mesh,
+//! and have no traction on free surfaces. So scenes from files and from Rust, and user-defined fields, have the same
+//! checks.
 //!
-//! *Stages are looked at when a scene is prepared, and gone through when it is run.* A check costs
-//! no static solution: masses, stiffness and with them the stable step of the body that will move are
-//! those of its elements, wherever they have moved until then.
+//! *Stages are checked when a scene is prepared, and computed when it is run.* A check needs no static solution: masses,
+//! stiffness and stable step of the dynamic model are those of its active elements, whatever their displacement.
 //!
-//! *A fault has a place.* Every value of a scene file keeps the bytes that it was read from, so
-//! that whatever is wrong with it, be it found by the parser, by a look into the mesh or by another
-//! crate, is shown where it stands, before any work is done.
+//! *Faults with line and column.* Every value of a scene file keeps its byte range, so that every fault, whether found
+//! by the parser, with the mesh or by another crate, is reported with its position, before the computation starts.
 
 mod acting;
 mod builtin;
@@ -98,12 +95,12 @@ pub use stage::{
     StageOverview, StageSink, StagingError,
 };
 
-/// What choices cost and err on problems whose answer is known.
+/// Verification: accuracy and cost of modelling choices on problems with known solutions.
 #[cfg(doc)]
 #[doc = include_str!("../../../docs/verification.md")]
 pub mod verification {}
 
-/// The program in the project's README compiles and runs.
+/// Compilation test of the program in the project's README.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

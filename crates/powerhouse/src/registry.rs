@@ -1,4 +1,4 @@
-//! Laws, kernels and boundaries by name, so that scenes can name a user's own.
+//! Registry of laws, kernels, boundaries and mesh generators by name, including user-defined ones.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,8 +15,8 @@ use crate::format::{
 };
 use crate::{Kernel, Material, builtin};
 
-/// What scenes can name: constitutive laws, element kernels, absorbing boundaries, laws of joints and
-/// generators of meshes.
+/// Registry of the types that scenes can name: constitutive laws, element kernels, absorbing boundaries, contact laws
+/// and mesh generators.
 ///
 /// ```
 /// use powerhouse::{Material, Registry};
@@ -48,9 +48,9 @@ pub struct Registry {
     mesh_generators: BTreeMap<String, MeshGenerator>,
 }
 
-/// Makes a mesh from a file.
+/// Function that builds a mesh from an input file.
 type MeshGenerator = Box<dyn Fn(&Path) -> Result<Mesh, Refusal> + Send + Sync>;
-/// Why it does not.
+/// Error of a mesh generator.
 type Refusal = Box<dyn std::error::Error + Send + Sync>;
 
 type Build<T> = Box<dyn Fn(&Parameters) -> Result<T, Fault> + Send + Sync>;
@@ -69,7 +69,7 @@ impl<T> Entry<T> {
         Self {
             build: Box::new(move |parameters| {
                 build(parameters.decode()?).map_err(|error| {
-                    // Whatever refuses may say by its name which key is at fault.
+                    // The name in the error may be that of the key concerned.
                     let key = match &error {
                         ModelError::Parameter(parameter) => parameter.name,
                         ModelError::Refused { part, .. } => part,
@@ -84,7 +84,7 @@ impl<T> Entry<T> {
 }
 
 impl Default for Registry {
-    /// What comes with the software.
+    /// Registry of the built-in types.
     fn default() -> Self {
         let mut registry = Self {
             laws: BTreeMap::new(),
@@ -99,10 +99,10 @@ impl Default for Registry {
 }
 
 impl Registry {
-    /// Adds or replaces a constitutive law. `build` makes a material of the keys of a
-    /// `[[material]]` table; the type of its argument says which keys those are. What it refuses is
-    /// shown at the key that [`ParameterError::name`](powerhouse_model::ParameterError::name) or
-    /// the part of [`ModelError::Refused`] names, or at the whole table.
+    /// Adds or replaces a constitutive law. `build` converts the keys of a `[[material]]` table into a material; the
+    /// type of its argument defines the keys. An error is reported at the key that
+    /// [`ParameterError::name`](powerhouse_model::ParameterError::name) or the part of [`ModelError::Refused`] names,
+    /// or at the whole table.
     pub fn add_law<P, F>(&mut self, name: impl Into<String>, build: F)
     where
         P: DeserializeOwned + JsonSchema,
@@ -122,8 +122,7 @@ impl Registry {
     pub fn add_kernel(&mut self, name: impl Into<String>, kernel: Kernel) {
         self.kernels.insert(name.into(), kernel);
     }
-    /// Adds or replaces a law of joints, as [`add_law`](Self::add_law); its keys stand in a
-    /// `[[joint]]` table.
+    /// Adds or replaces a contact law of joints, as [`add_law`](Self::add_law); its keys belong to a `[[joint]]` table.
     pub fn add_joint_law<P, F>(&mut self, name: impl Into<String>, build: F)
     where
         P: DeserializeOwned + JsonSchema,
@@ -131,8 +130,8 @@ impl Registry {
     {
         self.joint_laws.insert(name.into(), Entry::new(build));
     }
-    /// Adds or replaces a generator of meshes. A scene names it in its `[mesh]` table, beside the file
-    /// that is handed to it; none comes with this crate.
+    /// Adds or replaces a mesh generator. A scene names it in its `[mesh]` table, with its input file; none is built
+    /// in.
     pub fn add_mesh_generator<F, E>(&mut self, name: impl Into<String>, generate: F)
     where
         F: Fn(&Path) -> Result<Mesh, E> + Send + Sync + 'static,
@@ -141,15 +140,15 @@ impl Registry {
         let generate = move |file: &Path| generate(file).map_err(Into::into);
         self.mesh_generators.insert(name.into(), Box::new(generate));
     }
-    /// Names of the laws.
+    /// Names of the constitutive laws.
     pub fn law_names(&self) -> impl Iterator<Item = &str> {
         self.laws.keys().map(String::as_str)
     }
-    /// Names of the boundaries.
+    /// Names of the absorbing boundaries.
     pub fn boundary_names(&self) -> impl Iterator<Item = &str> {
         self.boundaries.keys().map(String::as_str)
     }
-    /// Names of the kernels.
+    /// Names of the element kernels.
     pub fn kernel_names(&self) -> impl Iterator<Item = &str> {
         self.kernels.keys().map(String::as_str)
     }
@@ -177,17 +176,16 @@ impl Registry {
         look_up(&self.mesh_generators, "mesh generator", name)
     }
 
-    /// Names of the generators of meshes.
+    /// Names of the mesh generators.
     pub fn mesh_generator_names(&self) -> impl Iterator<Item = &str> {
         self.mesh_generators.keys().map(String::as_str)
     }
-    /// Names of the laws of joints.
+    /// Names of the contact laws of joints.
     pub fn joint_law_names(&self) -> impl Iterator<Item = &str> {
         self.joint_laws.keys().map(String::as_str)
     }
 
-    /// The JSON schema of scene files, for editors; it knows the keys of all laws and boundaries
-    /// that are registered.
+    /// JSON schema of scene files, for editors, including the keys of all registered laws and boundaries.
     pub fn schema(&self) -> Schema {
         let mut generator = SchemaGenerator::default();
         let laws = choices(&self.laws, &mut generator);
@@ -233,7 +231,7 @@ fn look_up<'r, T>(
     })
 }
 
-/// The schema of each entry's keys, by its name.
+/// Schema of the keys of each registered entry, by name.
 fn choices<T>(
     entries: &BTreeMap<String, Entry<T>>,
     generator: &mut SchemaGenerator,
@@ -242,7 +240,7 @@ fn choices<T>(
         .iter()
         .map(|(name, entry)| {
             let mut schema = (entry.schema)(generator);
-            // The open table closes itself, over the shared keys and these.
+            // Further keys are rejected for the whole table, not for the keys of this entry alone.
             schema.remove("additionalProperties");
             (name.clone(), schema.to_value())
         })
@@ -253,7 +251,7 @@ fn definition<'s>(root: &'s mut Schema, name: &str) -> Option<&'s mut Value> {
     root.pointer_mut(&format!("/$defs/{name}"))
 }
 
-/// Lets the value of `key` decide which further keys a table has.
+/// Makes the permitted keys of a table depend on the value of `key`.
 fn open_table(table: &mut Value, key: &str, choices: Vec<(String, Value)>) {
     let names: Vec<&String> = choices.iter().map(|(name, _)| name).collect();
     if let Some(property) = table.pointer_mut(&format!("/properties/{key}")) {
@@ -269,8 +267,7 @@ fn open_table(table: &mut Value, key: &str, choices: Vec<(String, Value)>) {
     );
 }
 
-/// Gives the one key of an enum's variant the documentation of the variant, where editors look for
-/// it.
+/// Copies the documentation of an enum variant to its only key, where editors show it.
 fn document_variants(schema: &mut Value) {
     if let Some(Value::Array(variants)) = schema.get_mut("oneOf") {
         for variant in variants {

@@ -1,77 +1,77 @@
-//! Doubts about what a scene holds, beyond records and waves.
+//! Remarks about implausible values and combinations in a scene.
 
 use core::fmt;
 
 use crate::magnitude::Magnitude;
 
-/// Something in a scene that can hardly be meant, though it can be computed.
+/// Implausible value or combination in a scene that can be computed nevertheless.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SceneDoubt {
-    /// A quantity beyond what is usual, which the scene allows.
+    /// Quantity outside its usual range, in a scene that allows such quantities.
     Magnitude(Magnitude),
-    /// A body under gravity that no support, no boundary with springs and no stage holds: it falls.
+    /// Body under gravity without supports, boundary springs or stages, which falls freely.
     Unheld {
-        /// The element sets of its parts.
+        /// Element sets of the body's parts.
         sets: Vec<String>,
     },
-    /// Gravity that comes on a body at the start of a run, without a stage in which it reaches equilibrium.
+    /// Gravity applied suddenly at the start of the run, without a stage in which the body reaches static equilibrium.
     SuddenWeight,
-    /// Supports that hold nodes in a direction in which the free field moves.
+    /// Supports that restrain nodes in a direction in which the free field moves.
     HeldField {
-        /// The largest velocity of the field along held directions over its largest velocity.
+        /// Largest velocity of the field along restrained directions over its largest velocity.
         share: f64,
-        /// The user's number of the node where it is largest.
+        /// Number of the node with this velocity in the mesh file.
         node: u64,
     },
-    /// An absorbing face on the free surface of the field's half-space: the surface reflects nothing.
+    /// Absorbing face on the free surface of the half-space, where waves should be reflected.
     AbsorbingSurface {
-        /// The face.
+        /// Facet set of the face.
         face: String,
     },
-    /// An interval of output shorter than the time step.
+    /// Output interval shorter than the time step.
     ShortInterval {
-        /// What is recorded at the interval.
+        /// Kind of output.
         what: &'static str,
-        /// The interval (s).
+        /// Requested interval (s).
         interval: f64,
-        /// The time step (s).
+        /// Time step (s).
         step: f64,
     },
-    /// An interval of output longer than the run.
+    /// Output interval longer than the run.
     LongInterval {
-        /// What is recorded at the interval.
+        /// Kind of output.
         what: &'static str,
-        /// The interval (s).
+        /// Requested interval (s).
         interval: f64,
-        /// The run's duration (s).
+        /// Duration of the run (s).
         duration: f64,
     },
-    /// More threads than the machine has.
+    /// Number of threads above that of the machine.
     Threads {
-        /// As the scene says.
+        /// Requested number.
         wanted: usize,
-        /// What the machine has, and the run takes.
+        /// Number of the machine, which is used.
         available: usize,
     },
-    /// A rim that is the whole part.
+    /// Rim that covers the whole part.
     WholeRim {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
     },
-    /// Nodes and elements of the mesh's file that are not in the mesh, or in no group.
+    /// Fact: nodes and elements of the mesh file that were left out of the mesh, or belong to no physical group.
     MeshFile {
-        /// Nodes that no element uses.
+        /// Number of nodes without elements.
         nodes: usize,
-        /// Lines, facets and points of no physical group.
+        /// Number of lines, facets and points without physical group.
         dropped: usize,
-        /// Solids and bars of no physical group, which are in the set `all` or `ungrouped`.
+        /// Number of solids and bars without physical group, which are in the set `all` or `ungrouped`.
         ungrouped: usize,
     },
 }
 
 impl SceneDoubt {
-    /// Whether it is a doubt about the result, not only a fact.
+    /// Returns whether this is a warning (`true`) or a fact (`false`).
     pub fn is_warning(&self) -> bool {
         !matches!(self, Self::MeshFile { .. })
     }
@@ -83,16 +83,16 @@ impl fmt::Display for SceneDoubt {
             Self::Magnitude(magnitude) => magnitude.fmt(f),
             Self::Unheld { sets } => write!(
                 f,
-                "nothing holds the body of {} under gravity: it falls; give it supports, or a stage in which it reaches equilibrium",
+                "the body of {} is under gravity and has no support: it falls; give it supports, or a stage in which it reaches static equilibrium",
                 quoted(sets)
             ),
             Self::SuddenWeight => write!(
                 f,
-                "gravity comes on the body all at once at the start of the run, and it swings about its equilibrium: a stage brings it there before"
+                "gravity is applied suddenly at the start of the run, and the body oscillates about its static equilibrium; add a stage, in which it reaches equilibrium before"
             ),
             Self::HeldField { share, node } => write!(
                 f,
-                "the supports hold node {node} in a direction in which the free field moves with {:.1} % of its largest velocity: they reflect the incident waves",
+                "the supports restrain node {node} in a direction in which the free field moves with {:.1} % of its largest velocity: they reflect the incident waves",
                 100.0 * share
             ),
             Self::AbsorbingSurface { face } => write!(
@@ -105,7 +105,7 @@ impl fmt::Display for SceneDoubt {
                 step,
             } => write!(
                 f,
-                "{what} are asked for every {interval} s, which is less than the step of {step:.3e} s: they are recorded at every step"
+                "{what} are requested every {interval} s, which is shorter than the time step of {step:.3e} s: they are recorded at every step"
             ),
             Self::LongInterval {
                 what,
@@ -113,15 +113,15 @@ impl fmt::Display for SceneDoubt {
                 duration,
             } => write!(
                 f,
-                "{what} are asked for every {interval} s, which is longer than the run of {duration} s: nothing between its start and its end is recorded"
+                "{what} are requested every {interval} s, which is longer than the run of {duration} s: they are recorded at its start and end only"
             ),
             Self::Threads { wanted, available } => write!(
                 f,
-                "threads = {wanted}, but the machine has {available}: the run takes {available}"
+                "threads = {wanted}, but the machine has {available}: the run uses {available}"
             ),
             Self::WholeRim { set } => write!(
                 f,
-                "the rim of part '{set}' is the whole part: all of it is elastic and undamped"
+                "the rim of part '{set}' covers the whole part: all of it is elastic and undamped"
             ),
             Self::MeshFile {
                 nodes,
@@ -130,18 +130,16 @@ impl fmt::Display for SceneDoubt {
             } => {
                 let mut found = Vec::new();
                 if *nodes > 0 {
-                    found.push(format!(
-                        "{nodes} nodes that no element of the mesh uses were left out"
-                    ));
+                    found.push(format!("{nodes} nodes without elements were left out"));
                 }
                 if *dropped > 0 {
                     found.push(format!(
-                        "{dropped} lines, facets and points of no physical group were left out"
+                        "{dropped} lines, facets and points without physical group were left out"
                     ));
                 }
                 if *ungrouped > 0 {
                     found.push(format!(
-                        "{ungrouped} elements of no physical group are in the set 'all' or 'ungrouped'"
+                        "{ungrouped} elements without physical group are in the set 'all' or 'ungrouped'"
                     ));
                 }
                 write!(f, "mesh: {}", found.join("; "))
@@ -150,7 +148,7 @@ impl fmt::Display for SceneDoubt {
     }
 }
 
-/// Names in quotes, one after the other.
+/// Comma-separated list of quoted names.
 fn quoted(names: &[String]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("'{name}'")).collect();
     names.join(", ")

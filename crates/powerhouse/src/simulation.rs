@@ -19,7 +19,7 @@ use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
 use crate::stage::{EquilibratedBody, StageSink, Staging, StagingOutcome};
 use crate::{Error, Remark, SceneDoubt, SceneText};
 
-/// Energies are looked at after this share of the duration if they are not recorded.
+/// Sampling interval of the energy balance, over the duration, if energies are not recorded.
 const LOOKS_SHARE: f64 = 0.01;
 
 /// Told after every step where a run stands.
@@ -179,7 +179,7 @@ impl Simulation {
         Ok(step)
     }
 
-    /// Remarks on intervals of output that are shorter than the step or longer than the run, once.
+    /// Adds warnings about output intervals shorter than the step or longer than the run, without repetitions.
     fn check_intervals(&mut self, step: f64) {
         let histories = !self.plan.histories.is_empty() || !self.plan.cuts.is_empty();
         let intervals = [
@@ -192,7 +192,7 @@ impl Simulation {
             ("snapshots", self.plan.snapshots.map(|wish| wish.every)),
         ];
         for (what, interval) in intervals {
-            // Nobody asks for an interval by leaving it as it is by default.
+            // The default interval is not a request.
             let own = OutputPlan::default().every;
             let by_default = |interval: f64| match what {
                 "energies" => {
@@ -234,7 +234,7 @@ impl Simulation {
 
     /// Replaces the scene's step.
     pub fn set_step(&mut self, step: TimeStep) {
-        // A refusal no longer concerns the scene's file.
+        // An error of the step no longer concerns the scene file.
         self.source.0 = None;
         self.step = step;
     }
@@ -332,8 +332,7 @@ impl Simulation {
         }
     }
 
-    /// Options with a step (s) and the check of energies, which looks as often as the energies are
-    /// recorded.
+    /// Run options with a step (s) and the check of the energy balance, at the sampling interval of the energies.
     fn options(&self, options: RunOptions, step: f64) -> RunOptions {
         let options = options.with_step(StepChoice::Fixed(step));
         let every = self.plan.energies.unwrap_or(LOOKS_SHARE * self.duration);

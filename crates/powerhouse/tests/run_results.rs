@@ -1,4 +1,4 @@
-//! What is kept of runs, also of those that fail, and where it is put.
+//! Results and result files of runs, including failed ones.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -44,8 +44,8 @@ fn run(scene: Scene) -> Result<Results, Error> {
     scene.prepare()?.run(RunHooks::default())
 }
 
-/// A run checks its energy balance unless it is told not to: it reports the residual, and stops
-/// with the set's name where that is above the limit.
+/// A run checks its energy balance unless the check is off: it reports the residual, and stops with the name of the set
+/// where the residual exceeds the tolerance.
 #[test]
 fn the_energy_balance_is_checked() {
     let results = run(cube()).unwrap();
@@ -87,7 +87,7 @@ fn the_energy_balance_is_checked() {
     }
 }
 
-/// Sees every step and fails at one.
+/// Observer that fails at a given step.
 struct Fails {
     at: u64,
 }
@@ -112,7 +112,7 @@ impl Observer for Fails {
     }
 }
 
-/// A folder of its own for each test, removed at its end.
+/// Separate folder for each test, removed at its end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -132,8 +132,7 @@ impl Drop for Folder {
     }
 }
 
-/// A run that fails on its way hands over what it recorded until then; its summary says how it
-/// ended.
+/// A failed run returns the results recorded until then; its summary states the failure.
 #[test]
 fn a_failed_run_keeps_what_it_recorded() {
     let folder = Folder::new("failed");
@@ -167,7 +166,7 @@ fn a_failed_run_keeps_what_it_recorded() {
     assert!(folder.has("histories.csv"));
 }
 
-/// What an earlier run left goes before the next one, and what else is in the folder stays.
+/// Results of an earlier run are removed before the next one; other files in the folder are kept.
 #[test]
 fn old_results_do_not_mix_with_new_ones() {
     let folder = Folder::new("mix");
@@ -210,7 +209,7 @@ fn old_results_do_not_mix_with_new_ones() {
     }
 }
 
-/// Files of others are left alone, even where their names are those of results.
+/// Files of other programs are kept, even if their names are those of results.
 #[test]
 fn a_folder_of_others_is_left_alone() {
     let folder = Folder::new("others");
@@ -223,7 +222,7 @@ fn a_folder_of_others_is_left_alone() {
     assert!(theirs.iter().all(|file| folder.has(file)));
 }
 
-/// A folder is made and tried before a run; one that cannot be is refused by its path.
+/// A results folder is created and tested before a run; one that cannot be created is an error with its path.
 #[test]
 fn a_folder_is_tried_before_a_run() {
     let folder = Folder::new("tried");
@@ -236,7 +235,7 @@ fn a_folder_is_tried_before_a_run() {
     assert!(error.to_string().contains("file"), "{error}");
 }
 
-/// A scene file sets the limit of the energy balance, and a wrong one is told in its place.
+/// A scene file sets the tolerance of the energy balance; an invalid one is reported with its position.
 #[test]
 fn a_file_sets_the_limit_of_the_balance() {
     let text = |limit: &str| {
@@ -271,9 +270,9 @@ fn a_file_sets_the_limit_of_the_balance() {
     }
 }
 
-/// Section forces through linear tetrahedra are doubted by the name of the section, with the way out, where
-/// they are shown: in the remarks of the run, in the head of their table and in the summary. Cuts through bricks
-/// are not, nor are tetrahedra that no section cuts.
+/// Section forces through linear tetrahedra have a warning with the name of the section and a remedy: in the remarks of
+/// the run, in the head of their table and in the summary. Sections through bricks have none, nor have tetrahedra
+/// without section.
 #[test]
 fn sections_through_tetrahedra_are_doubted() {
     let size = Vec3::new(40.0, 30.0, 20.0);

@@ -1,4 +1,4 @@
-//! What is kept of a run.
+//! Output requests and results of a run, and their files.
 
 mod bolts;
 mod drawing;

@@ -1,4 +1,4 @@
-//! What a run has given.
+//! Results of a run.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -18,66 +18,66 @@ use super::{BoltForces, JointRequest, OutputPlan, SectionRequest, StateVariables
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 
-/// The ledger's column of what does not balance.
+/// Column of the residual in the energy balance.
 const RESIDUAL: &str = "residual";
-/// Its columns of work from outside.
+/// Columns of external work in the energy balance.
 const INPUTS: [&str; 2] = ["loads", "prescribed motion"];
 
-/// What an energy balance leaves.
+/// Residual of the energy balance of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyResidual {
-    /// At the end (J).
+    /// Residual at the end of the run (J).
     pub energy: f64,
-    /// Its size over the work put in; none if nothing was put in.
+    /// Magnitude of the residual over the input work; `None` without input work.
     pub share_of_input: Option<f64>,
-    /// The largest residual of the run, over the largest energy held or put in until then.
+    /// Largest relative residual of the run: over the largest energy stored or put in until then.
     pub largest: f64,
 }
 
 /// What a run has given.
 #[derive(Clone)]
 pub struct Results {
-    /// Steps, step, end.
+    /// Report of the run: number of steps, time step, end state.
     pub run: RunReport,
-    /// How long it took.
+    /// Wall-clock time of the run.
     pub wall_time: Duration,
-    /// Histories and relative displacements.
+    /// Histories and relative displacements against time.
     pub histories: HistoryTable,
-    /// Section forces.
+    /// Section forces against time.
     pub sections: HistoryTable,
-    /// Shapes of the sections.
+    /// Geometry of the sections.
     pub section_geometry: Vec<SectionGeometry>,
-    /// The columns of the energy ledger.
+    /// Energy balance against time, one column per term (J).
     pub energies: HistoryTable,
-    /// Greatest values.
+    /// Envelopes of motion and stress.
     pub envelope: Option<EnvelopeTable>,
-    /// The envelopes of the laws' history variables, if any has some.
+    /// Envelopes of the history variables of laws; `None` if no law has any.
     pub state: Option<StateTable>,
-    /// Joints: shares of area, greatest slips and openings and energies against time.
+    /// Joint histories: shares of area, greatest slips and openings, tractions and energies against time.
     pub joint_histories: HistoryTable,
-    /// Final contact state and peak values of each joint, and of the parts of joints that were asked for.
+    /// Final contact state and peak values of each joint, and of the requested zones of joints.
     pub joint_outcomes: Vec<JointOutcome>,
-    /// The pairs of each joint at the end, with what has become of them over the run.
+    /// Node pairs of each joint with their contact state at the end and their peak values.
     pub joints: Vec<JointTable>,
-    /// The sides of the joints, in the same order.
+    /// Surfaces of the joints, in the same order.
     pub joint_surfaces: Vec<JointSurface>,
-    /// Which elements of the mesh are there in the motion, one flag per element; none if all are.
+    /// Activity of every element of the mesh in the run; `None` if all are active.
     pub present: Option<Vec<bool>>,
-    /// How many snapshots the run's sink took.
+    /// Number of written snapshots.
     pub snapshots: u64,
-    /// What the stages took and did, before the run.
+    /// Reports of the construction stages.
     pub stages: Vec<StageReport>,
-    /// Whether the body had a stress before the first of them.
+    /// Whether the scene has an in-situ stress.
     pub in_situ_stress: bool,
-    /// What holds the body beside its loads, if it went through stages.
+    /// Report of the transfer from the stages to the run (carried forces), if there are stages.
     pub hand_over: Option<HandOverReport>,
-    /// The axial forces of bolts at the end, and the greatest of the run.
+    /// Axial forces of bolts at the end, and their greatest values over the run.
     pub bolts: Vec<BoltForces>,
-    /// The greatest axial force of each make of bolts against time, first at rest: `NAME.greatest`.
+    /// Greatest axial force of each bolt group against time, from the end of the stages on: column `NAME.greatest`.
     pub bolt_histories: HistoryTable,
 }
 
-/// The report of the run, without what it observed: an error that carries results can be read.
+/// Shows the report of the run only, so that an error with results is readable.
 impl fmt::Debug for Results {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Results")
@@ -88,12 +88,13 @@ impl fmt::Debug for Results {
 }
 
 impl Results {
-    /// The share of the load that may be out of balance where the stress of the ground is given.
+    /// Largest unbalanced force over the load at the start of the first stage with an in-situ stress, without a
+    /// warning.
     pub const BALANCED: f64 = 0.05;
-    /// The share of an edge up to which a slip counts as small.
+    /// Largest slip or opening over the shortest facet edge that counts as small.
     pub const SMALL_SLIP: f64 = 0.1;
 
-    /// The energies at the end (J) that were ever other than zero, but for the residual.
+    /// Energy terms at the end (J) that were ever nonzero, without the residual.
     pub fn energy_terms(&self) -> Vec<(&str, f64)> {
         let columns = self.energies.columns.iter();
         columns
@@ -101,7 +102,7 @@ impl Results {
             .filter_map(|column| Some((column.name.as_str(), *column.values.last()?)))
             .collect()
     }
-    /// What the energy balance leaves at the end; none if energies were not recorded.
+    /// Residual of the energy balance; `None` if energies were not recorded.
     pub fn energy_residual(&self) -> Option<EnergyResidual> {
         let last = |name| self.energies.column(name)?.values.last().copied();
         let energy = last(RESIDUAL)?;
@@ -112,8 +113,8 @@ impl Results {
             largest: self.run.energy_residual,
         })
     }
-    /// For each joint its name and its largest slip or opening over the shortest edge of its facets.
-    /// Pairs keep their nodes, so that a share above some [`Results::SMALL_SLIP`] is no longer small.
+    /// Name of each joint with its largest slip or opening over the shortest edge of its facets. Node pairs are fixed,
+    /// so that results are inaccurate above [`Results::SMALL_SLIP`].
     pub fn slip_shares(&self, mesh: &Mesh) -> Vec<(&str, f64)> {
         let largest = |table: &JointTable| {
             let of = |record: &JointRecord| record.state.slip.max(record.peak_opening);
@@ -127,7 +128,7 @@ impl Results {
             .map(|joint| (joint.0.name.as_str(), share(joint)))
             .collect()
     }
-    /// Doubts about the results: joints whose slip is not small.
+    /// Warnings about the results: large slip, hourglass work, unbalanced in-situ stress, too long sampling intervals.
     pub fn doubts(&self, mesh: &Mesh) -> Vec<Remark> {
         let shares = self.slip_shares(mesh).into_iter();
         let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
@@ -158,8 +159,8 @@ impl Results {
         worst.extend(sampling::doubts(&self.histories, self.envelope.as_ref()));
         worst
     }
-    /// The doubt about a stress of the ground that does not agree with what acts in the first stage, unless
-    /// that changes the body.
+    /// Warning about an in-situ stress that is not in equilibrium with the loads of the first stage, unless that stage
+    /// changes the body.
     fn unbalanced(&self) -> Option<Remark> {
         let first = self.stages.first()?;
         let share = first.solution.unbalanced;
@@ -172,13 +173,13 @@ impl Results {
             node,
         })
     }
-    /// The greatest values of all histories, section forces and envelopes.
+    /// Peaks of all histories, section forces and envelopes.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
         let mut peaks = PeakTable::default();
         peaks.add_history(&self.histories);
         peaks.add_history(&self.sections);
         peaks.add_history(&self.bolt_histories);
-        // Most of a joint mostly does nothing.
+        // Zero peaks of joints are left out.
         let mut of_joints = self.joint_histories.clone();
         let moves = |column: &Column| column.values.iter().any(|value| *value != 0.0);
         of_joints.columns.retain(moves);
@@ -193,7 +194,7 @@ impl Results {
     }
 }
 
-/// What the observers of a plan collect.
+/// Recordings of the observers of an output plan.
 pub(crate) struct Recordings {
     histories: Option<Recording<HistoryTable>>,
     sections: Option<Recording<HistoryTable>>,
@@ -208,8 +209,7 @@ pub(crate) struct Recordings {
 }
 
 impl Recordings {
-    /// The observers of a plan for a body of the elements that are present (all if none are said), and where
-    /// they put what they see.
+    /// Recordings and observers of an output plan for the active elements of a body (`None`: all).
     pub(crate) fn observe(
         plan: &OutputPlan,
         mesh: &Mesh,
@@ -277,7 +277,7 @@ impl Recordings {
         Ok((recordings, observers))
     }
 
-    /// Keeps what becomes of joints, whose sides are given by name.
+    /// Adds observers of joints, whose surfaces are given by name.
     pub(crate) fn watch_joints(
         &mut self,
         plan: &OutputPlan,
@@ -299,7 +299,7 @@ impl Recordings {
         Ok(())
     }
 
-    /// Keeps the forces of bolts.
+    /// Adds the observer of bolt forces.
     pub(crate) fn watch_bolts<'b>(
         &mut self,
         plan: &OutputPlan,
@@ -316,12 +316,12 @@ impl Recordings {
         Ok(())
     }
 
-    /// The sides of the joints, by name.
+    /// Surfaces of the joints, by name.
     pub(crate) fn joint_surfaces(&self) -> &[NamedSurface] {
         &self.joint_surfaces
     }
 
-    /// Which elements are there; none if all are.
+    /// Activity of every element; `None` if all are active.
     pub(crate) fn present(&self) -> Option<&[bool]> {
         self.present.as_deref()
     }
@@ -341,14 +341,14 @@ impl Recordings {
             .unwrap_or_default();
         let tables = self.bolts.map(|recording| recording.copy());
         let BoltTables { history, peaks } = tables.unwrap_or_default();
-        // A run that failed at once has looked at none.
+        // A run that failed at its start has no samples.
         let seen = peaks.into_iter().filter(|_| !history.times.is_empty());
         for peaks in seen {
             if let Some(bolts) = bolts.iter_mut().find(|bolts| bolts.name == peaks.name) {
                 bolts.greatest = Some(peaks.greatest);
             }
         }
-        // Joints that share nodes stand side by side in the model, whatever their order here.
+        // Joints with common nodes are adjacent in the model, whatever their order in the scene.
         let surface = |joint: &JointTable| {
             let mut surfaces = self.joint_surfaces.iter();
             let found = surfaces.find(|(name, _)| *name == joint.name);
@@ -378,8 +378,7 @@ impl Recordings {
     }
 }
 
-/// Adds a doubt; of those about the hourglass resistance of one set in stages the one with the largest share
-/// stays.
+/// Adds a warning; of those about the hourglass work of one set in several stages only the largest is kept.
 fn keep_worst(doubts: &mut Vec<Remark>, doubt: Remark) {
     let of_stage = |doubt: &Remark| match doubt {
         Remark::Hourglass {
@@ -404,7 +403,7 @@ fn keep_worst(doubts: &mut Vec<Remark>, doubt: Remark) {
     }
 }
 
-/// What is kept of every joint.
+/// Joint quantities that are recorded in any case.
 fn whole((name, surface): &NamedSurface) -> JointWatch {
     JointWatch {
         name: name.clone(),
@@ -419,7 +418,7 @@ fn whole((name, surface): &NamedSurface) -> JointWatch {
 }
 
 impl JointRequest {
-    /// The pairs that it asks for.
+    /// Node pairs of the request.
     fn watch(&self, mesh: &Mesh, surfaces: &[NamedSurface]) -> Result<JointWatch, Error> {
         let of_name = surfaces.iter().find(|(name, _)| *name == self.joint);
         let Some((joint, surface)) = of_name else {
@@ -436,7 +435,7 @@ impl JointRequest {
     }
 }
 
-/// The histories of a plan, and what is asked for in vain.
+/// Observer of the histories of a plan, and warnings about requests without effect.
 fn histories(
     plan: &OutputPlan,
     mesh: &Mesh,
@@ -462,7 +461,7 @@ fn histories(
         let (from, at) = (wish.from.clone(), wish.at.clone());
         builder = builder.relative(&wish.name, from, at, Motion::DISPLACEMENT);
     }
-    // In the order of the places.
+    // In the order of the requests.
     let asked = RefCell::new(Vec::new());
     let variables = |element| {
         asked.borrow_mut().push(element);
@@ -478,7 +477,7 @@ fn histories(
     Ok((history, remarks.collect()))
 }
 
-/// The doubt about a cut through linear tetrahedra among some elements.
+/// Warning about a section through linear tetrahedra.
 fn through_tetrahedra(mesh: &Mesh, wish: &SectionRequest, elements: &[u32]) -> Option<Remark> {
     let Cut {
         point,

@@ -1,4 +1,4 @@
-//! Fields for ParaView.
+//! VTU and PVD files for ParaView.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use powerhouse_model::{HistoryKind, HistoryVariable, Mesh, Stress, Vec3};
 use super::drawing::file_name;
 use super::joints::{JointFacets, JointFields, scalars as scalars_of_joint};
 
-/// The writer of a mesh of which these elements are there; none said: all.
+/// Writer of a mesh with the given active elements (`None`: all).
 fn writer(file: &Path, mesh: &Mesh, present: Option<&[bool]>) -> Result<VtuWriter, IoError> {
     let writer = VtuWriter::new(mesh, FieldPrecision::Single);
     let mut writer = writer.map_err(|source| IoError::File {
@@ -27,12 +27,12 @@ fn writer(file: &Path, mesh: &Mesh, present: Option<&[bool]>) -> Result<VtuWrite
     Ok(writer)
 }
 
-/// The unit of a history variable as files have it: none for numbers without one.
+/// Unit of a history variable in files; empty for dimensionless ones.
 pub(super) fn unit(unit: &'static str) -> &'static str {
     if unit == "1" { "" } else { unit }
 }
 
-/// Flags are whole numbers, amounts and components are not.
+/// Number format of a history variable: integers for flags, reals for amounts and components.
 pub(super) fn numbers(variable: &HistoryVariable) -> VtuNumbers {
     match variable.kind {
         HistoryKind::Flags => VtuNumbers::Whole,
@@ -40,8 +40,7 @@ pub(super) fn numbers(variable: &HistoryVariable) -> VtuNumbers {
     }
 }
 
-/// A sink that writes each snapshot as a VTU file, joints as files beside it, and all of them as a
-/// collection.
+/// Snapshot writer: one VTU file per snapshot, one per joint, and a PVD collection of all.
 pub(super) fn snapshots(
     file: PathBuf,
     (mesh, present): (&Mesh, Option<&[bool]>),
@@ -60,10 +59,10 @@ pub(super) fn snapshots(
     }))
 }
 
-/// Writes snapshots as they come.
+/// Writer of snapshots.
 struct SnapshotFiles {
     collection: PvdCollection,
-    /// The facets of the joints, by name.
+    /// Facets of the joints, by name.
     joints: Vec<(String, JointFacets)>,
 }
 
@@ -123,15 +122,15 @@ impl SnapshotSink for SnapshotFiles {
     }
 }
 
-/// Peaks and their times as fields over the whole mesh, zero where nothing was tracked.
+/// Envelopes and their times as fields over the whole mesh, zero where nothing was recorded.
 pub(super) struct EnvelopeFields {
     nodal: Vec<PeakOverMesh>,
     elemental: Vec<PeakOverMesh>,
-    /// Whole numbers of elements, by name.
+    /// Integer fields of elements, by name.
     flags: Vec<(&'static str, Vec<f64>)>,
 }
 
-/// One kind of peak over the whole mesh.
+/// Envelope of one quantity over the whole mesh.
 struct PeakOverMesh {
     name: &'static str,
     unit: &'static str,
@@ -163,7 +162,7 @@ impl PeakOverMesh {
     }
 }
 
-/// What an envelope may hold.
+/// Names of the quantities of an envelope.
 pub(super) const ENVELOPES: [&str; 5] = [
     "largest displacement",
     "largest velocity",
@@ -193,8 +192,8 @@ impl EnvelopeFields {
             flags: Vec::new(),
         }
     }
-    /// History variables of laws: the greatest of every amount that was ever above zero, flags as they were
-    /// last.
+    /// Fields of the history variables of laws: envelopes of amounts that were ever above zero, final values of
+    /// flags.
     pub(super) fn of_state(state: &StateTable, mesh: &Mesh) -> Self {
         let (elements, count) = (&state.elements, mesh.element_count());
         let some = |field: &&(HistoryVariable, PeakField)| field.1.values.iter().any(|v| *v > 0.0);
@@ -218,14 +217,14 @@ impl EnvelopeFields {
             flags: flags.collect(),
         }
     }
-    /// Name, field and unit of every peak.
+    /// Name, field and unit of every envelope.
     pub(super) fn peaks(&self) -> impl Iterator<Item = (&str, PictureField<'_>, &str)> {
         let nodal = self.nodal.iter();
         let nodal = nodal.map(|p| (p.name, PictureField::Nodal(&p.values), p.unit));
         let elemental = self.elemental.iter();
         nodal.chain(elemental.map(|p| (p.name, PictureField::Elemental(&p.values), p.unit)))
     }
-    /// Writes them as one VTU file at a time (s).
+    /// Writes the fields as one VTU file with a time (s).
     pub(super) fn write(
         &self,
         file: &Path,

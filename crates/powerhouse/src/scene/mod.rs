@@ -41,7 +41,7 @@ use crate::acting::{SharedFunction, StagedLoad};
 use crate::output::{OutputPlan, ResultFolder};
 use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
 
-/// Nodes whose motion is given, in every model of a scene.
+/// Nodes with prescribed motion, shared by all models of a scene.
 pub(crate) struct PrescribedMotion {
     pub(crate) nodes: Vec<u32>,
     pub(crate) direction: Vec3,
@@ -58,35 +58,35 @@ impl From<Prescribed> for PrescribedMotion {
     }
 }
 
-/// The time step of a run.
+/// Time step of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeStep {
-    /// This share of the stable step, above 0 and at most 1.
+    /// Stable step times this factor, above 0 and at most 1.
     OfStable(f64),
-    /// A step (s); refused if it is above the stable one.
+    /// Given step (s); an error if it is above the stable step.
     Seconds(f64),
 }
 
-/// The residual of the energy balance at which a run stops, over the largest energy held or put in
-/// until then.
+/// Tolerance of the energy balance of a run: relative residual above which it stops, over the largest energy stored or
+/// put in until then.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ResidualLimit {
-    /// 1e-7 in double precision, 1e-4 in mixed, 1e-2 in single.
+    /// Default of the precision: 1e-7 in double, 1e-4 in mixed, 1e-2 in single.
     #[default]
     OfPrecision,
-    /// This share.
+    /// Given tolerance, above 0 and at most 1.
     Share(f64),
-    /// The balance is not kept, unless energies are recorded, and stops nothing.
+    /// No check: the balance is computed only if energies are recorded, and never stops the run.
     Unchecked,
 }
 
-/// The body's motion at the start.
+/// Initial motion of the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InitialMotion {
-    /// At rest.
+    /// Zero displacement and velocity.
     #[default]
     Rest,
-    /// The motion of the incident field.
+    /// Motion of the free field at the start.
     Field,
 }
 
@@ -121,7 +121,7 @@ pub struct Scene {
     pub(crate) mesh: Arc<Mesh>,
     pub(crate) parts: Vec<Part>,
     pub(crate) field: Option<Arc<dyn IncidentField>>,
-    /// The plane waves that the field is the sum of, as far as it is known to be one.
+    /// Plane waves whose sum is the field, if the field is such a sum.
     pub(crate) waves: Vec<PlaneWave>,
     pub(crate) boundary: Option<Boundary>,
     pub(crate) supports: Vec<Support>,
@@ -151,15 +151,15 @@ pub struct Scene {
     pub(crate) source: Option<Arc<SceneText>>,
     pub(crate) places: SceneSpans,
     pub(crate) directory: Option<PathBuf>,
-    /// The names of the cases in its file.
+    /// Names of the cases in the scene file.
     pub(crate) cases: Vec<String>,
     pub(crate) cases_on_request: Vec<String>,
-    /// The case of its file that it is.
+    /// Name of the case that the scene is, if any.
     pub(crate) case: Option<String>,
 }
 
 impl Scene {
-    /// An undriven scene of a mesh without parts: one second of leapfrog steps in double precision.
+    /// Scene of a mesh without parts, waves or loads: duration one second, leapfrog scheme, double precision.
     pub fn new(title: impl Into<String>, mesh: Mesh) -> Self {
         Self {
             title: title.into(),
@@ -244,7 +244,7 @@ impl Scene {
         self.supports.push(support);
         self
     }
-    /// Adds a plane at which half of the body stands for the whole.
+    /// Adds a symmetry plane, at which half of the body is modelled.
     #[must_use]
     pub fn mirror(mut self, mirror: Mirror) -> Self {
         self.supports.extend(mirror.supports());
@@ -269,9 +269,8 @@ impl Scene {
         self.loads.push(StagedLoad::new(Box::new(load), None));
         self
     }
-    /// Adds a load that a stage takes off again, by name: what it leaves out of balance comes on the
-    /// body in the increments of that stage, and as far as its release says. It is not there when the body
-    /// moves.
+    /// Adds a temporary load that a stage, given by name, removes. Its removal is applied in the increments of that
+    /// stage, multiplied by the release factor. It does not act in the dynamic run.
     #[must_use]
     pub fn temporary_load(
         mut self,
@@ -282,13 +281,13 @@ impl Scene {
         (self.loads).push(StagedLoad::new(Box::new(load), removed_in));
         self
     }
-    /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.
+    /// Adds gravity: an acceleration of all masses (m/s2), multiplied by a function of time.
     #[must_use]
     pub fn gravity(mut self, acceleration: Vec3, history: impl TimeFunction + 'static) -> Self {
         self.weights.push((acceleration, Arc::new(history)));
         self
     }
-    /// Adds a joint; each must have a name of its own. Joints that share nodes are solved together.
+    /// Adds a joint with a unique name. Joints with common nodes are solved together.
     #[must_use]
     pub fn joint(mut self, joint: SceneJoint) -> Self {
         self.joints.push(joint);
@@ -306,7 +305,7 @@ impl Scene {
         self.in_situ_stress = Some(stress);
         self
     }
-    /// Adds bolts, which a stage installs.
+    /// Adds a bolt group, which a stage installs.
     #[must_use]
     pub fn bolts(mut self, bolts: SceneBolts) -> Self {
         self.bolts.push(bolts);
@@ -375,8 +374,7 @@ impl Scene {
         self.self_check = Some(error);
         self
     }
-    /// Adds a record, so that checks look at what it asks of the mesh; a field is made of it
-    /// separately.
+    /// Adds a record, so that checks take its frequency content into account; it is not used for the field.
     #[must_use]
     pub fn record(mut self, name: impl Into<String>, history: TimeHistory) -> Self {
         self.records.insert(name.into(), history);
@@ -464,28 +462,28 @@ impl Scene {
     pub fn self_check(&self) -> Option<f64> {
         self.self_check
     }
-    /// The records of the scene's file as they enter its waves, by name.
+    /// Processed records of the scene file, by name.
     pub fn records(&self) -> &BTreeMap<String, TimeHistory> {
         &self.records
     }
-    /// The file that the scene was read from, with its text.
+    /// Path and text of the scene file; `None` for a scene composed in Rust.
     pub fn source(&self) -> Option<&Arc<SceneText>> {
         self.source.as_ref()
     }
-    /// The names of the cases in the scene's file.
+    /// Names of the cases in the scene file.
     pub fn case_names(&self) -> &[String] {
         &self.cases
     }
-    /// Those of them that a sweep leaves out unless they are asked for.
+    /// Names of the cases that a sweep computes on request only.
     pub fn cases_on_request(&self) -> &[String] {
         &self.cases_on_request
     }
-    /// The case of its file that the scene is, if it is one.
+    /// Name of the case that the scene is, if any.
     pub fn case(&self) -> Option<&str> {
         self.case.as_deref()
     }
-    /// The folder for the files of a run: as the scene says, or `results/` and the name of the
-    /// scene's file; a case has a folder of its name in it.
+    /// Results folder of a run: as given in the scene, or `results/` with the name of the scene file; a case has a
+    /// subfolder of its name.
     pub fn result_folder(&self) -> ResultFolder {
         let named = || {
             let stem = self
@@ -500,7 +498,7 @@ impl Scene {
             None => folder,
         })
     }
-    /// The names of the joints, their sides and their laws.
+    /// Names, surfaces and laws of the joints.
     pub fn joints(&self) -> impl Iterator<Item = (&str, &JointSurface, &dyn ContactLaw)> {
         let joints = self.joints.iter();
         joints.map(|joint| (joint.name.as_str(), &joint.surface, joint.law.as_ref()))

@@ -1,4 +1,4 @@
-//! From a scene to a model that can be stepped.
+//! Building of the dynamic model of a scene.
 
 use std::sync::Arc;
 
@@ -15,10 +15,10 @@ use crate::output::{Recordings, StateVariables};
 use crate::stage::{Staging, Timeline, last_renewal};
 use crate::{Error, InSituStress, Remark, Simulation};
 
-/// What is above a level by less than this share of the mesh's diagonal stands on it.
+/// Tolerance of heights above a level, over the diagonal of the mesh.
 const ROUNDING_OF_PLACE: f64 = 1e-9;
 
-/// A model that is all but built, and the sides of its joints by name.
+/// Model builder with all components, and the joint surfaces by name.
 pub(crate) struct Moving<'a> {
     pub(crate) builder: ModelBuilder<'a>,
     surfaces: Vec<NamedSurface>,
@@ -128,8 +128,7 @@ impl Scene {
         ))
     }
 
-    /// The remark that the in-situ stress of ground ends below the top of the body that the first stage
-    /// finds.
+    /// Warning about an in-situ stress that ends below the top of the body in the first stage.
     fn above_ground(&self, timeline: Option<&Timeline>) -> Option<Remark> {
         let Some(InSituStress::Field(field)) = &self.in_situ_stress else {
             return None;
@@ -146,8 +145,7 @@ impl Scene {
         (field.ends && above).then_some(Remark::AboveGround { level, top })
     }
 
-    /// The model that moves, but for its start; what is found about its surroundings is added to the
-    /// remarks.
+    /// Builder of the dynamic model without initial motion; warnings about its surroundings are added to the remarks.
     pub(crate) fn moving<'a>(
         &self,
         mut builder: ModelBuilder<'a>,
@@ -182,8 +180,8 @@ impl Scene {
         Ok(Moving { builder, surfaces })
     }
 
-    /// What stands where the mesh ends: none without a boundary. Faces of elements that are not there
-    /// when the body moves do not absorb.
+    /// Springs and dashpots of the absorbing boundary; `None` without a boundary. Faces of elements that are inactive in
+    /// the run do not absorb.
     fn boundary_parts(
         &self,
         present: Option<&[bool]>,
@@ -251,8 +249,7 @@ impl Scene {
     }
 }
 
-/// The motion of a field at the nodes: displacement (m) at `time` and velocity (m/s) half a step
-/// before it.
+/// Motion of a field at the nodes: displacement at `time` (m) and velocity half a step before (m/s).
 pub(crate) fn field_motion(
     field: &dyn IncidentField,
     points: &[Vec3],

@@ -1,4 +1,4 @@
-//! What happens to a body before it moves: stages, bolts, the stress of the ground.
+//! Static analysis before the dynamic run: construction stages, bolts, in-situ stress.
 
 mod bolts;
 mod error;

@@ -1,5 +1,5 @@
-//! Damping that is flat over a band, and rims: each key of a file does what its twin in Rust does, and
-//! what both cost and do is told.
+//! Flat damping and rims: every key of a file is equivalent to its counterpart in Rust, and cost and effect are
+//! reported.
 
 use powerhouse::engine::{Rayleigh, SolidKernel};
 use powerhouse::material::{
@@ -12,7 +12,7 @@ use powerhouse::{Damping, Error, Material, Part, Registry, Remark, Scene};
 use crate::support::*;
 
 const KERNEL: &str = "kernel = \"hex8-full\"\n";
-/// A band that the cube's wave of 0.4 s lies in.
+/// Band that contains the cube's wave of 0.4 s.
 const BAND: &str = "kind = \"flat\", ratio = 0.05, band = [0.5, 20]";
 
 fn flat(mechanisms: usize, reference: ReferenceFrequency) -> Damping {
@@ -99,7 +99,7 @@ fn flat_damping_of_a_file_is_that_of_rust() {
     );
 }
 
-/// What flat damping costs is told before a run, and the stable step is what was told.
+/// The cost of flat damping is reported before a run and agrees with the stable step.
 #[test]
 fn the_cost_of_flat_damping_is_told() {
     let step = |damping| {
@@ -140,7 +140,7 @@ fn the_cost_of_flat_damping_is_told() {
     );
 }
 
-/// A law without tension, for one point: nobody knows its elastic part.
+/// User-defined law without tension, whose elastic part is not defined.
 struct NoTension;
 
 impl PointLaw for NoTension {
@@ -167,7 +167,7 @@ impl PointLaw for NoTension {
 #[serde(deny_unknown_fields)]
 struct NoKeys {}
 
-/// What is wrong with damping or a rim is shown at the value at fault.
+/// A fault of damping or a rim is reported at the value concerned.
 #[test]
 fn faults_have_their_place() {
     let folder = Variants::new("damping-faults").0;
@@ -227,13 +227,13 @@ fn faults_have_their_place() {
     }
     let own = format!("damping = {{ {BAND} }}");
     let Err(Error::Scene(fault)) = read("law = \"no-tension\"\n", &own) else {
-        panic!("a law of which nobody knows the elastic part is damped in series");
+        panic!("flat damping of a law without elastic part was accepted");
     };
     assert_eq!(fault.position(), (12, 11), "{fault}");
     assert!(
         fault
             .to_string()
-            .contains("damping cannot stand in series with the law 'no-tension'")
+            .contains("flat damping is not available for the law 'no-tension'")
     );
 }
 
@@ -256,8 +256,8 @@ fn cut(width: f64) -> Mesh {
     mesh
 }
 
-/// A part with a rim is a damped, yielding one within and an elastic, undamped one along the absorbing
-/// faces; the rim is told, and nothing warns of waves that are reflected there.
+/// A part with a rim is damped and plastic inside, elastic and undamped along the absorbing faces; the rim is reported,
+/// and there is no warning about reflected waves.
 #[test]
 fn a_rim_is_elastic_and_undamped() {
     let variants = Variants::new("damping-rim");
@@ -297,7 +297,7 @@ fn a_rim_is_elastic_and_undamped() {
         let state = found.state.unwrap();
         assert_eq!(state.elements.len(), 216 - elements);
     }
-    // Without a rim both are warned of.
+    // Without a rim both have warnings.
     let bare = cube_with(cube(), vec![of("rock", weak()).damping(rayleigh)]);
     let simulation = bare.prepare().unwrap();
     let warned = simulation.remarks().iter().filter(|remark| {
@@ -309,7 +309,7 @@ fn a_rim_is_elastic_and_undamped() {
     assert_eq!(warned.count(), 2);
 }
 
-/// A rim of a part that comes nowhere near an absorbing face is refused, in a file at its value.
+/// A rim of a part far from the absorbing faces is an error, in a file at its value.
 #[test]
 fn a_rim_without_elements_is_refused() {
     let mesh = cut(100.0);

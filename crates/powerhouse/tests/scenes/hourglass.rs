@@ -1,4 +1,4 @@
-//! What the hourglass resistance of one-point bricks does to results, and that it is reported.
+//! Effect of the hourglass resistance of one-point bricks on results, and its report.
 
 use powerhouse::engine::HourglassShare;
 use powerhouse::io::write_gmsh;
@@ -14,7 +14,7 @@ fn scene(mesh: &Mesh, text: String) -> Scene {
     Scene::from_toml(text, path, &Registry::default()).unwrap()
 }
 
-/// The shares of hourglass work that a run warns of, by set.
+/// Shares of hourglass work in the warnings of a run, by set.
 fn warned(results: &Results, mesh: &Mesh) -> Vec<(Option<String>, String, f64)> {
     let doubts = results.doubts(mesh).into_iter();
     let found = doubts.filter_map(|doubt| match doubt {
@@ -24,8 +24,8 @@ fn warned(results: &Results, mesh: &Mesh) -> Vec<(Option<String>, String, f64)> 
     found.collect()
 }
 
-/// A strip one element thick that is bent lives by its hourglass stiffness, which is reported for the stage
-/// and for the run; eight points have none.
+/// The bending stiffness of a strip one element thick is that of its hourglass resistance, which is reported for the
+/// stage and for the run; full integration has none.
 #[test]
 fn hourglass_work_above_its_limit_is_reported() {
     let high = Vec3::new(8.0, 1.0, 1.0);

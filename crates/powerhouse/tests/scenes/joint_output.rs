@@ -1,4 +1,4 @@
-//! What is recorded of joints: keys and builder alike, and what the columns and files hold.
+//! Output of joints: keys and builder are equivalent, content of columns and files.
 
 use powerhouse::engine::observe::JointQuantities;
 use powerhouse::io::read_table;
@@ -18,7 +18,7 @@ fn half(low: f64, high: f64) -> JointZone {
     }
 }
 
-/// Every key of a joint's history gives the wish that Rust gives.
+/// Every key of a joint history gives the request of the Rust interface.
 #[test]
 fn wishes() {
     let folder = folder("joint-wishes");
@@ -85,7 +85,7 @@ fn wishes() {
         ),
     ] {
         let history = "[[output.joint]]\nname = \"p\"\njoint = \"bedding\"\n";
-        // A joint's history stands among the other output.
+        // The joint history is part of the plan.
         let text = format!("{JOINT}\n{history}{keys}\n");
         let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{keys}: {error}"));
         let wish = JointRequest {
@@ -101,7 +101,7 @@ fn wishes() {
     }
 }
 
-/// A plan that names a joint or pairs which are not there is refused before a run.
+/// A plan with a joint or zone that does not exist is an error before the run.
 #[test]
 fn wishes_for_nothing_are_refused() {
     let prepared = |joint: &str, zone: JointZone| {
@@ -114,7 +114,7 @@ fn wishes_for_nothing_are_refused() {
     assert!(matches!(error, Error::NoSuchJoint { name } if name == "seam"));
     let error = prepared("bedding", half(400.0, 500.0));
     assert!(matches!(error, Error::EmptyZone { .. }), "{error}");
-    // Two results of one name.
+    // Two results with one name.
     let (mesh, bedding) = twin(&halves());
     let plan =
         OutputPlan::default().joint("bedding", "bedding", JointZone::All, JointQuantities::ALL);
@@ -123,13 +123,13 @@ fn wishes_for_nothing_are_refused() {
     assert!(
         error
             .to_string()
-            .contains("two results are called 'bedding'"),
+            .contains("two results have the name 'bedding'"),
         "{error}"
     );
 }
 
-/// The columns of a single pair are what its record says, those of two halves make up the whole, and
-/// the outcomes tell when slip and cracks began; all of it is in the files.
+/// The columns of a single pair agree with its record, those of two halves add up to the whole, and the outcomes contain
+/// the times of first slip and crack; all is in the files.
 #[test]
 fn columns_say_what_becomes_of_the_pairs() {
     let (mesh, joint) = twin(&halves());
@@ -243,7 +243,7 @@ fn columns_say_what_becomes_of_the_pairs() {
     let of = |name: &str| outcome(name).first_slip.unwrap().0;
     let earliest = of("west").min(of("east"));
     assert_eq!(slid.0, earliest);
-    // Which pair it was is a place among all pairs of the joint, also for a part of them.
+    // The index of a pair is that among all pairs of the joint, also for a zone.
     let east = outcome("east");
     let (slip, pair) = east.slip;
     assert_eq!(
@@ -258,7 +258,7 @@ fn columns_say_what_becomes_of_the_pairs() {
         (0.0, last("bedding.broken"))
     );
     assert!(whole.slipped > 0.0 && whole.slipped <= 1.0 + 1e-12 && whole.opened > 0.0);
-    // What a history of states shows is not before the first time.
+    // A history of states begins at the first time.
     let times = results.joint_histories.times.iter();
     let sliding = &results
         .joint_histories
@@ -322,7 +322,7 @@ fn columns_say_what_becomes_of_the_pairs() {
     assert!(!folder.0.join("pictures/joint-bedding-slip.png").exists());
 }
 
-/// Snapshots hold the facets of the joints beside the body, part by part, and are cleared with them.
+/// Snapshots contain the facets of each joint beside the body, and are removed with them.
 #[test]
 fn snapshots_hold_joints() {
     let (mesh, joint) = twin(&halves());

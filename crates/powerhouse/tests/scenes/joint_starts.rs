@@ -1,5 +1,4 @@
-//! How joints start: each key of a scene file gives what Rust gives, and what is refused is refused
-//! in both.
+//! Initial states of joints: every key of a scene file is equivalent to Rust, and errors are the same in both.
 
 use powerhouse::contact::ContactError;
 use powerhouse::model::{Bond, ContactState, Mesh, Stress, Vec3};
@@ -20,16 +19,16 @@ fn marked() -> Mesh {
     mesh
 }
 
-/// Keys of a joint without a bond, which can be apart.
+/// Keys of a joint without bond, which may have a gap.
 const FREE: &str = "law = \"bonded-coulomb\"\nstatic_friction = 0.7\n";
 
-/// The joint's keys with some put before its law.
+/// Keys of the joint with further ones before its law.
 fn with(keys: &str) -> String {
     JOINT.replace("law =", &format!("{keys}\nlaw ="))
 }
 
-/// Runs the joint with further keys and its twin, and finds the same bits; returns the records of
-/// the pairs at the end.
+/// Runs the joint with further keys and its counterpart in Rust, compares the bits, and returns the records of the pairs
+/// at the end.
 fn equal(keys: &str, change: impl Fn(SceneJoint) -> SceneJoint) -> powerhouse::Results {
     let folder = folder("joint-start");
     powerhouse::io::write_gmsh(folder.0.join("cube.msh"), &marked()).unwrap();
@@ -48,8 +47,7 @@ fn equal(keys: &str, change: impl Fn(SceneJoint) -> SceneJoint) -> powerhouse::R
     file
 }
 
-/// Every kind of preload is the one of Rust: same bits; and what it means is what the joint carries
-/// while it holds.
+/// Every kind of preload equals that of Rust: same bits; the joint carries its traction while it sticks.
 #[test]
 fn preloads() {
     let ground = GroundStress::new(0.0, 2750.0, 0.4).unwrap();
@@ -100,8 +98,7 @@ fn preloads() {
     }
 }
 
-/// A gap of a file is that of Rust: same bits; pairs apart feel nothing, and a mesh that is closed
-/// has none.
+/// A gap from a file equals that of Rust: same bits; open pairs have no traction, and a closed mesh has no gap.
 #[test]
 fn gaps() {
     let free = |joint: SceneJoint| {
@@ -130,7 +127,7 @@ fn gaps() {
     assert!(closed.joints[0].records.iter().any(|r| r.opening < 0.4));
 }
 
-/// Sides that are meshed apart start as far apart as their nodes, if the scene says so.
+/// Sides that are apart in the mesh have the gap of their nodes with `gap = "meshed"`.
 #[test]
 fn a_meshed_gap_is_the_distance_of_the_nodes() {
     let (mesh, joint) = twin(&halves());
@@ -164,7 +161,7 @@ fn a_meshed_gap_is_the_distance_of_the_nodes() {
     }
 }
 
-/// Every kind of zone takes the bond of the same pairs as its twin, and of no others.
+/// Every kind of zone selects the same unbonded pairs as its counterpart in Rust.
 #[test]
 fn unbonded_zones() {
     let corner = (Vec3::new(0.0, 0.0, -151.0), Vec3::new(50.0, 50.0, -149.0));
@@ -215,7 +212,7 @@ fn unbonded_zones() {
     assert_eq!(never, 8);
 }
 
-/// What a joint cannot start with is refused by the builder with the user's numbers.
+/// An invalid initial state of a joint is an error of the builder with the node numbers of the mesh file.
 #[test]
 fn the_builder_refuses_with_the_numbers_of_the_mesh() {
     let refused = |change: &dyn Fn(SceneJoint) -> SceneJoint| -> Error {

@@ -1,4 +1,4 @@
-//! Supports, loads, time and boundary: each key of a scene file does what its twin in Rust does.
+//! Supports, loads, time and boundary: every key of a scene file is equivalent to its counterpart in Rust.
 
 use core::f64::consts::{PI, TAU};
 
@@ -39,7 +39,7 @@ fn ricker() -> Function {
     })
 }
 
-/// Every load and every function of time of a file is the engine's.
+/// Every load and function of time of a file equals that of the engine.
 #[test]
 fn loads() {
     let variants = Variants::new("loads");
@@ -108,7 +108,7 @@ fn loads() {
     }
 }
 
-/// Every support of a file is the engine's.
+/// Every support of a file equals that of the engine.
 #[test]
 fn supports() {
     let variants = Variants::new("kept");
@@ -162,7 +162,7 @@ fn damped(damping: Rayleigh) -> Scene {
         .output(scene.output_plan().clone())
 }
 
-/// Damping, scheme, step, start, precision and threads of a file are those of Rust.
+/// Damping, scheme, step, start, precision and threads of a file equal those of Rust.
 #[test]
 fn time_and_numbers() {
     let variants = Variants::new("time");

@@ -1,4 +1,4 @@
-//! What is recorded: each key of a scene file gives the plan that Rust gives.
+//! Output requests: every key of a scene file gives the plan of the Rust interface.
 
 use powerhouse::engine::observe::{Cut, Motion, Place, SnapshotFields, Spot, StressPlace};
 use powerhouse::model::Vec3;
@@ -8,7 +8,7 @@ use crate::support::*;
 
 const HISTORY: &str = "[[output.history]]\nname = \"surface\"\nat = [150, 150, 0]\n";
 
-/// What the file has without its history.
+/// Plan of the file without its history.
 fn plan() -> OutputPlan {
     OutputPlan {
         every: 0.01,
@@ -17,7 +17,7 @@ fn plan() -> OutputPlan {
     }
 }
 
-/// Every place, quantity and cadence of a file is that of the plan.
+/// Every location, quantity and sampling interval of a file is in the plan.
 #[test]
 fn plans() {
     let variants = Variants::new("plans");
@@ -131,7 +131,7 @@ fn plans() {
     assert_eq!((plan.every, plan.energies), (0.005, Some(0.05)));
 }
 
-/// The folder of results is what the file says, or has the file's name.
+/// The results folder is given in the file, or has the name of the file.
 #[test]
 fn directories() {
     let variants = Variants::new("directories");

@@ -1,4 +1,4 @@
-//! Scenes from files and from Rust: what they accept, and what runs of them give.
+//! Scenes from files and from Rust: accepted input, errors, and results of runs.
 
 mod base_motion;
 mod crack_bands;

@@ -1,4 +1,4 @@
-//! What is well formed and cannot be meant is refused where it stands, or warned of by name.
+//! Implausible values in well-formed scenes are errors with their position, or warnings with the name of the item.
 
 use std::fs;
 
@@ -14,7 +14,7 @@ use powerhouse::{
 
 use crate::support::*;
 
-/// The fault of the cube's scene with a passage replaced.
+/// Fault of the cube's scene with a passage replaced.
 fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault> {
     match variants.read(old, new) {
         Err(Error::Scene(fault)) => fault,
@@ -35,8 +35,8 @@ fn doubts_of(scene: Scene) -> Vec<SceneDoubt> {
     doubts(scene.prepare().unwrap().remarks())
 }
 
-/// A name that stands twice in any list of names of a scene is refused at its second place; a table that
-/// says the same as an earlier one of its list is refused too.
+/// A name that is repeated in any list of names of a scene is an error at its second position, and so is a table that
+/// equals an earlier one of its list.
 #[test]
 fn nothing_is_listed_twice() {
     let variants = Variants::new("listed-twice");
@@ -106,8 +106,7 @@ fn nothing_is_listed_twice() {
     }
 }
 
-/// A facet that two absorbing faces have, or one face named twice in Rust, would absorb twice: refused by
-/// names and element.
+/// A facet of two absorbing faces, or one face listed twice in Rust, is an error with names and element.
 #[test]
 fn no_facet_absorbs_twice() {
     let mut mesh = cube();
@@ -126,7 +125,7 @@ fn no_facet_absorbs_twice() {
     }
 }
 
-/// A list that is longer than needed is refused at its place, and so is a list where a table belongs.
+/// A list that is too long is an error with its position, and so is a list in place of a table.
 #[test]
 fn lists_have_the_length_that_is_needed() {
     let variants = Variants::new("long-lists");
@@ -167,8 +166,8 @@ fn lists_have_the_length_that_is_needed() {
     }
 }
 
-/// A magnitude that nothing in the ground has is refused with key, value, usual range and the unit that was
-/// probably meant; where the scene allows it, it is a warning, and nothing else changes.
+/// A quantity outside its usual range is an error with key, value, range and the probable unit; where the scene allows
+/// it, it is a warning, and nothing else changes.
 #[test]
 fn magnitudes_beyond_the_usual_are_refused() {
     let variants = Variants::new("magnitudes");
@@ -176,7 +175,7 @@ fn magnitudes_beyond_the_usual_are_refused() {
         (
             "young = 9.0e9",
             "young = 9",
-            "young = 9 Pa is beyond what is usual, 1e5 to 1.2e12 Pa; 9 GPa would be 9e9 Pa",
+            "young = 9 Pa is outside the usual range of 1e5 to 1.2e12 Pa; 9 GPa would be 9e9 Pa",
         ),
         (
             "density = 2750",
@@ -245,7 +244,7 @@ fn magnitudes_beyond_the_usual_are_refused() {
     assert!(found.iter().all(SceneDoubt::is_warning));
 }
 
-/// Scenes composed in Rust are held to the same magnitudes: media, size of the body, gravity, duration.
+/// Scenes composed in Rust have the same usual ranges: media, size of the body, gravity, duration.
 #[test]
 fn composed_scenes_have_usual_magnitudes() {
     let box_of =
@@ -286,8 +285,8 @@ fn composed_scenes_have_usual_magnitudes() {
     );
 }
 
-/// Names and titles that are empty or do not show, distances and intervals beyond the body and the run, and
-/// frequencies the wrong way round are refused.
+/// Empty or invisible names and titles, distances and intervals beyond the body and the run, and frequencies in the
+/// wrong order are errors.
 #[test]
 fn what_is_of_no_use_is_refused() {
     let variants = Variants::new("of-no-use");
@@ -331,8 +330,8 @@ fn what_is_of_no_use_is_refused() {
     }
 }
 
-/// Two results never share a file, and the second name is refused where it stands, before the run; a comma
-/// and quotes in a name are no fault.
+/// Two results never have the same file: the second name is an error with its position before the run; a comma and
+/// quotes in a name are permitted.
 #[test]
 fn names_of_results_are_checked_before_the_run() {
     let variants = Variants::new("names");
@@ -347,7 +346,7 @@ fn names_of_results_are_checked_before_the_run() {
             panic!("{first} and {second} were accepted")
         };
         assert!(
-            fault.to_string().contains("would share the file"),
+            fault.to_string().contains("would both have the file"),
             "{fault}"
         );
         let (line, _) = fault.position();
@@ -376,7 +375,7 @@ fn names_of_results_are_checked_before_the_run() {
     ));
     let case = "[[case]]\nname = \"../up\"\n[time]";
     let told = fault(&variants, "[time]", case).to_string();
-    assert!(told.contains("no folder"), "{told}");
+    assert!(told.contains("cannot be the name of a folder"), "{told}");
 }
 
 /// Histories whose names have commas and quotes are written and read back by their names.
@@ -397,8 +396,8 @@ fn names_with_commas_reach_their_files() {
     assert_eq!(table[1].values, results.histories.columns[0].values);
 }
 
-/// A body that nothing holds under gravity is warned of by its parts, with dashpots around it too; weight
-/// that comes without a stage is warned of where it is held; with a stage there is no such doubt.
+/// An unsupported body under gravity has a warning with its parts, also with dashpots around it; gravity without a stage
+/// has a warning where the body is supported; with a stage there is no such warning.
 #[test]
 fn what_falls_is_warned_of() {
     let weight = |scene: Scene| scene.gravity(Vec3::new(0.0, 0.0, -9.81), |_: f64| 1.0);
@@ -431,11 +430,11 @@ fn what_falls_is_warned_of() {
     }
     let staged = bare().stage(SceneStage::new("ground").support(bottom(Vec3::z())));
     assert_eq!(doubts_of(staged), []);
-    // A ramp brings the weight on slowly.
+    // A ramp applies gravity slowly.
     let slow = Scene::new("cube", cube()).part(Part::new("rock", rock()));
     let slow = slow.gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 10.0).min(1.0));
     assert_eq!(doubts_of(slow.support(bottom(Vec3::z()))), []);
-    // One of two bodies hangs in the air.
+    // One of two bodies is unsupported.
     let two = halves_apart();
     let held = two.nodes_of_set("bottom").unwrap();
     let part = |set: &str| Part::new(set, rock());
@@ -485,8 +484,8 @@ fn slice(variants: &Variants, faces: &str, more: &str) -> Vec<Remark> {
     scene.prepare().unwrap().remarks().to_vec()
 }
 
-/// In a slice between rollers the other sides are as free as in a block: a forgotten absorbing side and a
-/// surface that the field loads are warned of, though all nodes of the slice are on the rollers.
+/// In a slice between rollers the other sides are as free as in a block: a missing absorbing face and a free surface
+/// with traction of the field have warnings, although all nodes of the slice are on rollers.
 #[test]
 fn slices_have_free_sides() {
     let variants = Variants::new("slices");
@@ -517,8 +516,8 @@ fn slices_have_free_sides() {
     );
 }
 
-/// Supports that hold nodes where the free field moves reflect it: an oblique wave between side rollers is
-/// warned of, a vertical one between such as leave it free is not.
+/// Supports that restrain the free field reflect it: an oblique wave between side rollers has a warning, a vertical one
+/// that they leave free has none.
 #[test]
 fn rollers_against_the_field_are_warned_of() {
     let variants = Variants::new("against-the-field");
@@ -540,8 +539,8 @@ fn rollers_against_the_field_are_warned_of() {
     assert_eq!(held(&free), None, "{free:?}");
 }
 
-/// An absorbing face on the free surface of a half-space is warned of by name; below the surface, or in a
-/// full space, it is not.
+/// An absorbing face on the free surface of a half-space has a warning with its name; below the surface, or in a full
+/// space, it has none.
 #[test]
 fn an_absorbing_surface_is_warned_of() {
     let variants = Variants::new("absorbing-surface");
@@ -566,8 +565,8 @@ fn an_absorbing_surface_is_warned_of() {
     assert_eq!(found("[ground]\nspace = \"full-space\"\n[boundary]"), []);
 }
 
-/// An interval of output that is shorter than the step becomes the step, and one that is longer than the run
-/// records nothing on the way: either is warned of once.
+/// An output interval shorter than the time step becomes the step, and one longer than the run records its start and
+/// end only: either has one warning.
 #[test]
 fn intervals_that_do_not_fit_the_run_are_warned_of() {
     let variants = Variants::new("intervals");
@@ -607,7 +606,7 @@ fn intervals_that_do_not_fit_the_run_are_warned_of() {
     assert_eq!(doubts(simulation.remarks()), [expected]);
 }
 
-/// More threads than the machine has are cut to what it has, and that is said; the run does not hang.
+/// A number of threads above that of the machine is reduced to it, with a warning.
 #[test]
 fn threads_are_those_of_the_machine() {
     let variants = Variants::new("threads");
@@ -627,7 +626,7 @@ fn threads_are_those_of_the_machine() {
     );
 }
 
-/// A rim that is the whole of its part is warned of.
+/// A rim that covers its whole part has a warning.
 #[test]
 fn a_rim_that_is_all_is_warned_of() {
     let variants = Variants::new("whole-rim");
@@ -639,8 +638,8 @@ fn a_rim_that_is_all_is_warned_of() {
     assert_eq!(found("rim = 0"), []);
 }
 
-/// Text that is not in UTF-8 is refused with line and column, a scene in UTF-16 by name; a device without
-/// an end is never read.
+/// Text that is not in UTF-8 is an error with line and column, a scene in UTF-16 by its encoding; an endless device is
+/// never read.
 #[test]
 fn files_are_text_and_have_an_end() {
     let variants = Variants::new("encodings");
@@ -679,7 +678,7 @@ fn fault_of_file(variants: &Variants, old: &str, new: &str) -> String {
     fault(variants, old, new).to_string()
 }
 
-/// Nodes and elements of a mesh's file that are in no set, or in nothing, are told.
+/// Nodes without elements and elements without physical group in the mesh file are reported.
 #[test]
 fn what_a_mesh_leaves_out_is_told() {
     let variants = Variants::new("left-out");
@@ -696,7 +695,7 @@ fn what_a_mesh_leaves_out_is_told() {
     assert_eq!(doubts(scene.remarks()), [expected]);
 }
 
-/// A file that is no accelerogram is refused as what it is: an empty one, a mesh, a scene, words.
+/// A file that is not an accelerogram is an error that identifies it: an empty file, a mesh, a scene, text.
 #[test]
 fn what_is_no_record_is_named() {
     let variants = Variants::new("no-record");

@@ -1,4 +1,4 @@
-//! Scenes run: from files and from Rust alike, with a user's own types, to complete output.
+//! Runs of scenes from files and from Rust, with user-defined types, to complete output.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,8 +18,8 @@ use powerhouse::{
 
 use crate::support::*;
 
-/// A physical curve of a mesh file names an edge: it is no part of the body, changes nothing, and
-/// its nodes can be held.
+/// A physical curve of a mesh file names an edge: it is not part of the body, changes nothing, and its nodes can be
+/// supported.
 #[test]
 fn a_curve_names_an_edge() {
     let folder = Folder::new("curve");
@@ -75,7 +75,7 @@ fn a_curve_names_an_edge() {
         panic!("a part of bars was accepted")
     };
     assert!(
-        fault.to_string().contains("which no kernel computes"),
+        fault.to_string().contains("for which there is no kernel"),
         "{fault}"
     );
     assert!(fault.render(false).contains("set = \"edge\""), "{fault}");
@@ -92,7 +92,7 @@ fn file_and_builder_are_equal() {
     let from_rust = run(cube_scene());
     assert_eq!(from_file.run.steps, from_rust.run.steps);
     assert_eq!(from_file.histories, from_rust.histories);
-    // And something moved.
+    // The motion is not zero.
     let peak = from_file
         .histories
         .column("surface.ux")
@@ -102,8 +102,8 @@ fn file_and_builder_are_equal() {
     assert!(peak.fold(0.0_f64, |most, u| most.max(u.abs())) > 0.01);
 }
 
-/// A user's law, kernel and boundary are named in a scene file after they are registered, and take
-/// part in the run: a law equal to the elastic one gives the same motion.
+/// A user-defined law, kernel and boundary can be named in a scene file after registration and are used in the run: a law
+/// equal to the elastic one gives the same motion.
 #[test]
 fn registered_types_run_from_files() {
     #[derive(Clone)]
@@ -166,7 +166,7 @@ fn registered_types_run_from_files() {
             assert!((a - b).abs() <= 1e-9 * scale, "{}", own.name);
         }
     }
-    // A parameter that the law's own check refuses is told where it stands.
+    // A parameter that the law's check rejects is reported with its position.
     let wrong = text.replace("gigapascal = 9", "gigapascal = -9");
     let Err(Error::Scene(fault)) = Scene::from_toml(wrong, "cube.toml", &registry) else {
         panic!("a negative modulus was accepted")
@@ -174,7 +174,7 @@ fn registered_types_run_from_files() {
     assert!(fault.to_string().contains("young = -9000000000"), "{fault}");
 }
 
-/// A run that is stopped from outside leaves complete output.
+/// A cancelled run has complete output up to its end.
 #[test]
 fn a_stopped_run_leaves_complete_output() {
     let folder = Folder::new("stopped");
@@ -253,7 +253,7 @@ fn a_stopped_run_leaves_complete_output() {
     assert_eq!(summary["steps"], 21);
 }
 
-/// What does not fit together is refused before the run, by name.
+/// Inconsistent items of a scene are errors before the run, with their names.
 #[test]
 fn misfits_are_refused_by_name() {
     let rock = || Material::from(LinearElastic::new(ROCK));
@@ -292,8 +292,8 @@ fn misfits_are_refused_by_name() {
     assert!(matches!(step.step(), Err(Error::Run(_))));
 }
 
-/// A body that starts with the motion of a wave that is already inside goes on with it: the error
-/// at the surface falls with the square of the element size.
+/// A body that starts with the motion of a wave inside continues it: the error at the surface decreases with the square
+/// of the element size.
 #[test]
 fn a_body_may_start_with_the_field() {
     let error = |elements| {
@@ -319,7 +319,7 @@ fn a_body_may_start_with_the_field() {
     assert!((order - 2.0).abs() < 0.3, "{coarse} {fine}: order {order}");
 }
 
-/// Rollers take the mean normal of their face by default; supports of a scene hold what they name.
+/// Rollers have the mean normal of their face by default; supports restrain the nodes of their set.
 #[test]
 fn supports_of_a_scene_hold() {
     let folder = Folder::new("supports");

@@ -1,4 +1,4 @@
-//! Stages before a run: in a file as in Rust, what they do, what is written of them.
+//! Construction stages before a run: equivalence of file and Rust, effects, and result files.
 
 use std::sync::{Arc, Mutex};
 
@@ -196,7 +196,7 @@ fn on_rollers(mesh: &Mesh) -> SceneStage {
     })
 }
 
-/// Stages of a file are those composed in Rust: same bits before the body moves and while it does.
+/// Stages from a file equal those composed in Rust: same bits in the stages and in the run.
 #[test]
 fn stages_of_a_file_are_those_of_rust() {
     let mesh = mesh();
@@ -210,7 +210,7 @@ fn stages_of_a_file_are_those_of_rust() {
         ..BoltParameters::steel(1.0).unwrap()
     };
     let top = mesh.facet_set("top").unwrap();
-    // What is left of the top where the trench is taken out and half of it is filled.
+    // The remaining top surface where the trench is excavated and half of it is filled.
     let inner = mesh.element_set("inner").unwrap();
     let there = |facet: &&powerhouse::model::Facet| !inner.contains(&facet.element);
     let pressed: Vec<_> = top.iter().filter(there).copied().collect();
@@ -269,7 +269,7 @@ fn stages_of_a_file_are_those_of_rust() {
     let [ground, trench, support] = &file.stages[..] else {
         panic!("{:?}", file.stages)
     };
-    // The in-situ stress stands in balance with the weight; only the push, held at its start, moves it.
+    // The in-situ stress is in equilibrium with gravity; only the push, constant with its initial value, moves the body.
     assert!(ground.largest_displacement.0 < 1e-7, "{ground:?}");
     assert_eq!(
         (trench.excavated, trench.cast, trench.solution.increments),
@@ -290,9 +290,8 @@ fn stages_of_a_file_are_those_of_rust() {
     assert!(anchors.greatest().unwrap().1 > 4e4);
 }
 
-/// A body that went through stages with excavation, lining, bolts, a load and a seam stands still when
-/// its supports become absorbing faces and nothing comes in; its stress is that of the ground. So it
-/// does where the seam runs through sides that are tied to each other.
+/// After stages with excavation, lining, bolts, a load and a seam the body does not move when its supports become
+/// absorbing faces without input; its stress is that of the ground. The same holds for a seam through periodic sides.
 #[test]
 fn a_staged_body_without_input_stands_still() {
     let mesh = mesh();
@@ -348,16 +347,16 @@ static_friction = 0.7
     }
 }
 
-/// What a stage has shown.
+/// Recorded result of a stage.
 struct Seen {
     name: String,
     stress: Vec<Stress>,
     absent: usize,
-    /// Pairs of joints that have a bond.
+    /// Number of node pairs of joints with bond.
     bonded: usize,
 }
 
-/// Keeps what it is shown.
+/// Sink that records all stages.
 #[derive(Default)]
 struct Shown(Arc<Mutex<Vec<Seen>>>);
 
@@ -378,7 +377,7 @@ impl StageSink for Shown {
     }
 }
 
-/// Runs a scene; yields what its stages have shown, and the results.
+/// Runs a scene; returns the recorded stages and the results.
 fn seen(scene: Scene) -> (Vec<Seen>, Results) {
     let shown = Shown::default();
     let kept = shown.0.clone();
@@ -391,8 +390,8 @@ fn seen(scene: Scene) -> (Vec<Seen>, Results) {
     (kept, found)
 }
 
-/// What a stage shows has the stress of the ground, the elements that are there, and its bolts; what
-/// is cast first in a stage was not there before.
+/// The result of a stage contains the in-situ stress, the active elements and the bolts; elements that are first cast in
+/// a stage are inactive before.
 #[test]
 fn stages_are_shown_as_they_come_to_rest() {
     let mesh = mesh();
@@ -425,7 +424,7 @@ fn stages_are_shown_as_they_come_to_rest() {
     };
     assert_eq!((ground.name.as_str(), ground.absent), ("ground", 10));
     assert_eq!((filled.name.as_str(), filled.absent), ("filled", 0));
-    // At the foot of a far corner, where the open trench is hardly felt.
+    // At the foot of a far corner, where the effect of the trench is small.
     let foot = mesh.elements_in_box(&Vec3::zeros(), &Vec3::repeat(2.0))[0];
     let expected = field.at(&mesh.centroid(foot));
     for (found, expected) in ground.stress[foot as usize]
@@ -439,8 +438,7 @@ fn stages_are_shown_as_they_come_to_rest() {
             "{found:e} {expected:e}"
         );
     }
-    // What was cast has none of the stress of the ground: at its top, where its own weight is little,
-    // less than half of it.
+    // Cast elements have no in-situ stress: at their top, where their own weight is small, less than half of it.
     let inner = mesh.element_set("inner").unwrap();
     for &element in inner {
         assert_eq!(ground.stress[element as usize], Stress::default());
@@ -452,7 +450,7 @@ fn stages_are_shown_as_they_come_to_rest() {
     }
 }
 
-/// A stage in which the body does not come to rest ends the run at its place in the file.
+/// A stage without static equilibrium ends the run with an error at its position in the file.
 #[test]
 fn a_stage_without_rest_is_named() {
     let folder = folder(&mesh());
@@ -479,8 +477,8 @@ fn a_stage_without_rest_is_named() {
     );
 }
 
-/// Joints may be tied in a stage whatever their law admits, and then start as their law says; they may
-/// get their bond anew where it was missing.
+/// Joints may be tied in a stage whatever their law, and then have the initial state of their law; they may be grouted
+/// where the bond was missing.
 #[test]
 fn stages_close_joints() {
     let mesh = mesh();
@@ -492,7 +490,7 @@ between = ["lower", "upper"]
 law = "frictionless"
 "#;
     let pairs = 7 * 6;
-    // Of its own material from the start, so that nothing changes when the body moves.
+    // With its own material from the start, so that nothing changes at the start of the run.
     let rollers = ROLLERS.replace("part = [{ set = \"lining\", material = \"rock\" }]\n", "");
     let text = [MATERIALS, slippery, &rollers].concat();
     let tied = text.replace("name = \"ground\"", "name = \"ground\"\ntied = [\"seam\"]");
@@ -537,7 +535,7 @@ unbonded = [{ low = [0, 0, 0], high = [6, 10, 12] }]
     );
 }
 
-/// What a stage leaves is written beside the results, and gone before another run writes there.
+/// Stage results are written beside the results, and removed before another run writes there.
 #[test]
 fn stages_are_written() {
     let mesh = mesh();
@@ -562,7 +560,7 @@ law = "tied"
     };
     let found: Results = simulation.run(hooks).unwrap();
     let written = out.write(("trench", &mesh), &found, &notes, None).unwrap();
-    // Each file has been foreseen, so that it can be tried before the run.
+    // Every file is in the list of expected files, so that it can be tested before the run.
     for file in &written {
         let name = file.strip_prefix(out.path()).unwrap().to_string_lossy();
         assert!(planned.contains(&name.clone().into_owned()), "{name}");
@@ -591,7 +589,7 @@ law = "tied"
     let whole: f64 = lengths.map(|(to, from)| to - from).sum();
     let bolts = table[0].values.last().unwrap();
     assert!((whole - 5.0 * bolts).abs() < 1e-6, "{whole} {bolts}");
-    // The run begins with what the last stage left, and its greatest is that of its bolts.
+    // The run starts from the last stage, and its greatest force is that of its bolts.
     let history = read_table(&file("bolts.csv")).unwrap();
     let anchors = history
         .iter()
@@ -615,7 +613,7 @@ law = "tied"
     assert!(!file("stages/2-trench-nail.csv").exists());
 }
 
-/// Stages that do not fit a scene composed in Rust are refused by name before the run.
+/// Invalid stages of a scene composed in Rust are errors with their name before the run.
 #[test]
 fn misfits_of_stages_are_refused() {
     let mesh = mesh();

@@ -22,12 +22,12 @@ pub(crate) const ROCK: ElasticMedium = ElasticMedium {
 };
 pub(crate) const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 
-/// A folder of its own for each test, removed at its end.
+/// Separate folder for each test, removed at its end.
 pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
     pub(crate) fn new(name: &str) -> Self {
-        // Tests run side by side, some under one name.
+        // Tests run in parallel, some with one name.
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("powerhouse-{name}-{}-{count}", std::process::id());
@@ -143,7 +143,7 @@ impl Variants {
         let text = CUBE.replacen(old, new, 1);
         Scene::from_toml(text, self.0.0.join("cube.toml"), &Registry::default())
     }
-    /// Runs the variant and its twin, and finds the same bits in both.
+    /// Runs the variant and its counterpart in Rust, and compares the bits.
     pub(crate) fn equal(&self, (old, new): (&str, &str), twin: Scene) {
         let scene = self.read(old, new).unwrap_or_else(|e| panic!("{new}: {e}"));
         let (file, twin) = (run(scene), run(twin));

@@ -1,4 +1,4 @@
-//! What surrounds the body: the start of the field, its medium, open sides, the surface.
+//! Checks of the surroundings: start of the field, its medium, open sides, free surface.
 
 use std::sync::Arc;
 
@@ -38,8 +38,8 @@ fn padding(scene: &Scene) -> Option<f64> {
 const PAST: &str = "[[wave]]\nkind = \"sv\"\nincidence = 42\npulse = { kind = \"zero-mean\", displacement = 0.01, duration = 0.4 }\n";
 const BELOW: &str = "[[wave]]\nkind = \"p\"\nincidence = 10\narrival = 0.3\npulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }\n";
 
-/// Where one wave must come later so that the body may start at rest, all come later by the same
-/// time: together they are the sum of the delayed one and the other, shifted as much.
+/// If one wave must be delayed so that the body starts at rest, all are delayed by the same time: their sum is that of
+/// the delayed wave and the other one with the same shift.
 #[test]
 fn a_quiet_start_keeps_waves_in_step() {
     let past = read("step-past", &[(WAVE, PAST)]).unwrap();
@@ -67,8 +67,8 @@ fn a_quiet_start_keeps_waves_in_step() {
     assert!(largest > 1e-3, "both move: {largest}");
 }
 
-/// A body at rest in a field that already moves is refused, at the key that makes the field early;
-/// with the field's own motion it may start.
+/// A body that starts at rest in a field that is not negligible is an error, at the key concerned; with the initial
+/// motion of the field it is accepted.
 #[test]
 fn a_moving_field_is_no_start_from_rest() {
     for (name, old, new, key) in [
@@ -97,13 +97,12 @@ fn a_moving_field_is_no_start_from_rest() {
         let with_field = "duration = 0.6\ninitial = \"field\"";
         assert!(read(name, &[(old, new), ("duration = 0.6", with_field)]).is_ok());
     }
-    // A wave that is early, but still within its quiet beginning, is none that moves.
+    // A wave that is early but still negligible is accepted.
     let quiet = "arrival = -0.0005\n";
     assert!(read("early-quiet", &[("azimuth = 30\n", quiet)]).is_ok());
 }
 
-/// What a filter, or the ground above a buried record, puts before the record's start lets all
-/// waves come later.
+/// Motion before the start of a record, from a filter or for a within motion, delays all waves.
 #[test]
 fn what_precedes_a_record_is_waited_for() {
     for (name, treatment) in [
@@ -171,7 +170,7 @@ fn warnings(simulation: &Simulation) -> Vec<&Remark> {
     remarks.filter(|remark| remark.is_warning()).collect()
 }
 
-/// Scenes composed in Rust have the guards of scenes from files: rest, medium, damped rims.
+/// Scenes composed in Rust have the checks of scenes from files: start, medium, damped rims.
 #[test]
 fn composed_scenes_are_guarded_too() {
     let scene = || scene_of(wave(vertical(WaveKind::SV)), &SIDES);
@@ -182,7 +181,7 @@ fn composed_scenes_are_guarded_too() {
         Err(Error::NotAtRest { level, time: 0.2, .. }) if level > 0.1
     ));
     assert!(scene().start(0.2, InitialMotion::Field).prepare().is_ok());
-    // Past the critical angle the field is there before its pulse.
+    // Past the critical angle the field begins before its pulse.
     let mut parameters = vertical(WaveKind::SV);
     parameters.incidence = Angle::from_degrees(42.0);
     let pulse = Arc::new(ZeroMeanPulse::new(0.01, 0.4).unwrap());
@@ -207,12 +206,12 @@ fn composed_scenes_are_guarded_too() {
         .unwrap();
     let rim = Remark::DampedRim { set: "rock".into() };
     assert_eq!(warnings(&damped), [&rim]);
-    // Nothing said where the structure is.
+    // No scatterer is given.
     let position = Vec3::new(150.0, 150.0, -150.0);
     assert!(damped.remarks().contains(&Remark::Scatterer { position }));
 }
 
-/// A side that neither absorbs nor is held is told with its area; a held one is not.
+/// A side that is neither absorbing nor supported has a warning with its area; a supported one has none.
 #[test]
 fn a_forgotten_side_is_told() {
     let open = scene_of(
@@ -235,8 +234,8 @@ fn a_forgotten_side_is_told() {
     assert!(warnings(&held.prepare().unwrap()).is_empty());
 }
 
-/// A field whose surface is not that of the mesh, or that has none, is told; so is a mesh that is
-/// not flat at its rim, but not a hill inside.
+/// A field whose free surface is not that of the mesh, or that has none, has a warning; so has a mesh whose surface is
+/// not plane along the absorbing faces, but not a hill inside.
 #[test]
 fn the_surface_of_the_field_is_that_of_the_mesh() {
     let share = |scene: Scene| {
@@ -289,8 +288,8 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
     assert_eq!(share(inside), None);
 }
 
-/// A set inside the body holds its facets from both sides: a pressure on it would cancel, so it is
-/// refused, from a file where the set stands.
+/// A set inside the body contains its facets from both sides: a pressure on it would cancel, so that it is an error, in a
+/// file at the set.
 #[test]
 fn loads_on_both_sides_are_refused() {
     let mesh = cube();
@@ -328,7 +327,7 @@ fn loads_on_both_sides_are_refused() {
     ));
 }
 
-/// Absorbing faces lie outside, and a field needs a way in.
+/// Absorbing faces must be on the surface, and a field needs faces or a region through which it enters.
 #[test]
 fn faces_inside_and_idle_fields_are_refused() {
     let mut mesh: Mesh = cube();
@@ -354,7 +353,7 @@ fn faces_inside_and_idle_fields_are_refused() {
         .field(wave(vertical(WaveKind::SV)))
         .boundary(Boundary::new(silent, SIDES));
     assert!(matches!(silent.prepare(), Err(Error::UnusedField { .. })));
-    // The same from a file stands at the wave.
+    // In a file the same error is at the wave.
     let nothing = "kind = \"viscous-spring\"\ninput = \"nothing\"";
     let scene = read("nothing", &[("kind = \"viscous-spring\"", nothing)]).unwrap();
     let Err(Error::Scene(fault)) = scene.prepare() else {
