@@ -1,5 +1,5 @@
 use powerhouse_explicit_core::observe::{
-    EnergyHistory, History, Motion, ObserveError, PeakTable, Place, Spot, StressPlace,
+    EnergyHistory, History, Motion, ObservationPoint, ObserveError, PeakTable, Place, StressPlace,
 };
 use powerhouse_model::{Cadence, Mat3, Mesh, MeshError, ModelError, Observer, Stress, Vec3};
 
@@ -102,7 +102,10 @@ fn stresses_are_kept_with_their_principal_values() {
     let centre = mesh.centroid(62);
     let mut history = History::builder(Cadence::Steps(1))
         .stress("seventh", StressPlace::Element(7))
-        .stress("upper", StressPlace::Spot(Spot::at(centre).among("upper")))
+        .stress(
+            "upper",
+            StressPlace::Point(ObservationPoint::at(centre).among("upper")),
+        )
         .build(&mesh)
         .unwrap();
     assert!(history.fields().stress && !history.fields().acceleration);
@@ -149,8 +152,8 @@ fn impossible_histories_are_refused() {
         error,
         ObserveError::Mesh(MeshError::PointOutside { .. })
     ));
-    let spot = Spot::at(Vec3::repeat(5.0)).within(-1.0);
-    let error = build(every, Place::Spot(spot));
+    let spot = ObservationPoint::at(Vec3::repeat(5.0)).within(-1.0);
+    let error = build(every, Place::Point(spot));
     assert!(matches!(error, ObserveError::Parameter(_)));
     for cadence in [
         Cadence::Steps(0),

@@ -174,7 +174,7 @@ fn what_no_longer_holds_is_refused() {
         .unwrap();
     assert!(matches!(
         weightless.hand_over(1.0e-3),
-        Err(StaticError::NotHeld { difference, .. }) if difference > 0.1
+        Err(StaticError::CarriedForcesChanged { difference, .. }) if difference > 0.1
     ));
     let mut smaller = state;
     smaller.remove(&[0, 1, 2]);
@@ -185,7 +185,7 @@ fn what_no_longer_holds_is_refused() {
         .unwrap();
     assert!(matches!(
         holed.hand_over(1.0e-3),
-        Err(StaticError::NotHeld { .. })
+        Err(StaticError::CarriedForcesChanged { .. })
     ));
 }
 
@@ -240,7 +240,7 @@ fn a_law_that_would_forget_the_static_stress_is_refused() {
         .unwrap();
     assert!(matches!(
         model.hand_over(1.0e-3),
-        Err(StaticError::Relaxes { set }) if set == "ground"
+        Err(StaticError::Viscoelastic { set }) if set == "ground"
     ));
 }
 
