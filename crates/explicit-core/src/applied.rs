@@ -295,7 +295,7 @@ impl LoadSums {
     }
 }
 
-/// Cuts a buffer into consecutive pieces.
+/// Divides a buffer into consecutive parts of given lengths.
 pub(crate) fn split<'a, T>(buffer: &'a mut [T], lengths: &[usize]) -> Vec<&'a mut [T]> {
     let mut rest = buffer;
     lengths

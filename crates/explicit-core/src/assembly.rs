@@ -21,7 +21,7 @@ pub enum Precision {
 /// Number of elements computed at once by SIMD instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LaneWidth {
-    /// As many as the widest SIMD registers of the processor hold.
+    /// As many elements at once as the widest SIMD registers of the processor hold.
     #[default]
     Native,
     /// One element at a time: the scalar reference of the wide lanes, with bitwise equal results.

@@ -122,7 +122,7 @@ pub enum EngineError {
     NodeWithoutMass {
         /// Number of the node.
         node: u64,
-        /// Its mass (kg).
+        /// Lumped mass of the node (kg).
         mass: f64,
     },
     /// A boundary condition, load or constraint on a node that does not exist.

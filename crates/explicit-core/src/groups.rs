@@ -501,23 +501,23 @@ mod tests {
             spring: axis(0.2, 1.0, 0.7) * 4e4,
             ..NodeGroup::default()
         };
-        let (held, driven) = (
+        let (held, prescribed) = (
             Vec3::new(0.6, 0.0, 0.8),
             Vec3::new(1.0, 1.0, -1.0).normalize(),
         );
         group.condition.hold(held);
-        assert!(group.condition.prescribe(driven, 0));
+        assert!(group.condition.prescribe(prescribed, 0));
         let step = 1e-2;
-        let before = held.cross(&driven) * 0.7 + group.condition.along(&[0.3]);
+        let before = held.cross(&prescribed) * 0.7 + group.condition.along(&[0.3]);
         let force = Vec3::new(5.0, -11.0, 3.0);
         for rule in [MassDampingRule::Implicit, MassDampingRule::Lagged] {
             let found = group.coefficients(rule, step);
             let target = found.lift * group.condition.target(&[-0.4]);
             let after = found.carry * before + found.inverse * force * step + target;
             assert!(after.dot(&held).abs() < 1e-15);
-            assert!((after.dot(&driven) + 0.4).abs() < 1e-15);
-            let lacking = group.impulse((rule, step), &before, &after) - force * step;
-            assert!(group.condition.free(lacking).norm() < 1e-14, "{lacking}");
+            assert!((after.dot(&prescribed) + 0.4).abs() < 1e-15);
+            let residual = group.impulse((rule, step), &before, &after) - force * step;
+            assert!(group.condition.free(residual).norm() < 1e-14, "{residual}");
         }
     }
 }

@@ -103,7 +103,7 @@ pub(crate) fn unit(part: &str, direction: Vec3) -> Result<Vec3, EngineError> {
 pub(crate) struct Condition {
     /// Orthonormal directions, fixed or prescribed.
     basis: Vec<Vec3>,
-    /// For each of them, its velocity as a combination of those of `prescribed`.
+    /// Velocity along each of them, as linear combination of the velocities of `prescribed`.
     targets: Vec<Vec<f64>>,
     /// Unit direction and index of the prescribed motion.
     pub(crate) prescribed: Vec<(Vec3, usize)>,

@@ -153,7 +153,7 @@ impl Interpolation {
     /// Axial nodal forces (N) of axial forces at the points.
     pub(super) fn gather(&self, forces: &[[f64; 2]], line: &mut Vec<f64>) {
         line.clear();
-        line.resize(self.places.len(), 0.0);
+        line.resize(self.nodes.len(), 0.0);
         self.points.add(forces.iter().flatten(), line);
     }
 
@@ -166,7 +166,7 @@ impl Interpolation {
     /// Adds axial tension (N) of the segments to the nodal forces.
     pub(super) fn spread_tension(&self, forces: &[f64], line: &mut Vec<f64>, out: &mut [Vec3]) {
         line.clear();
-        line.resize(self.places.len(), 0.0);
+        line.resize(self.nodes.len(), 0.0);
         self.stretches.add(forces.iter(), line);
         self.write(line, out);
     }

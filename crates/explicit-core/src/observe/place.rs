@@ -7,34 +7,34 @@ use super::ObserveError;
 /// Selection of the kinds of motion to be recorded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
-    /// Displacement (m).
+    /// Whether displacement (m) is recorded.
     pub displacement: bool,
-    /// Velocity (m/s).
+    /// Whether velocity (m/s) is recorded.
     pub velocity: bool,
-    /// Acceleration (m/s2).
+    /// Whether acceleration (m/s2) is recorded.
     pub acceleration: bool,
 }
 
 impl Motion {
-    /// All three.
+    /// Displacement, velocity and acceleration.
     pub const ALL: Self = Self {
         displacement: true,
         velocity: true,
         acceleration: true,
     };
-    /// Displacement alone.
+    /// Displacement without velocity and acceleration.
     pub const DISPLACEMENT: Self = Self {
         displacement: true,
         velocity: false,
         acceleration: false,
     };
-    /// Velocity alone.
+    /// Velocity without displacement and acceleration.
     pub const VELOCITY: Self = Self {
         displacement: false,
         velocity: true,
         acceleration: false,
     };
-    /// Acceleration alone.
+    /// Acceleration without displacement and velocity.
     pub const ACCELERATION: Self = Self {
         displacement: false,
         velocity: false,

@@ -31,7 +31,7 @@ const WEDGE_SIDES: [&[u8]; 5] = [
     &[2, 0, 3, 5],
 ];
 
-/// For each corner, the corner itself and its three neighbours along edges, right-handed.
+/// Local nodes at each corner: the corner itself and its three neighbours along edges, right-handed.
 const HEX_CORNERS: [[u8; 4]; 8] = [
     [0, 1, 3, 4],
     [1, 2, 0, 5],
@@ -84,7 +84,7 @@ impl ElementKind {
             Self::Bar2 => &[],
         }
     }
-    /// For each corner: the corner and its three neighbours, whose edges form a right-handed
+    /// Local nodes at each corner: the corner and its three neighbours, whose edges form a right-handed
     /// triad in a valid element; empty for bars.
     pub fn corners(self) -> &'static [[u8; 4]] {
         match self {

@@ -147,7 +147,7 @@ enum Side {
 /// The elements around a node of the split.
 #[derive(Clone, Debug, Default)]
 struct Surroundings {
-    /// In rising order.
+    /// Mesh indices of the elements, in rising order.
     elements: Vec<u32>,
     /// Pairs of elements with a common facet at the node, and whether the facet is split.
     contacts: Vec<([u32; 2], bool)>,
