@@ -121,16 +121,14 @@ impl BoltBlock {
         let value = |index: u32| displacement(self.nodes[index as usize]);
         for (index, bolt) in self.bolts.iter_mut().enumerate() {
             bolt.resist(value, workspace).map_err(|failure| {
-            let (segment, reason) = match failure {
-            Failure::NotFinite(segment) => (
+                let (segment, reason) = match failure {
+                    Failure::NotFinite(segment) => (
                         segment,
-                        format!(
-                            "a node of the host element of bolt {index} has a displacement that is not finite"
-                        ),
+                        format!("the displacement of a node at bolt {index} is not finite"),
                     ),
                     Failure::NotConverged(segment) => (
-                    segment,
-                    format!("the equilibrium of bolt {index} with its grout does not converge"),
+                        segment,
+                        format!("the equilibrium of bolt {index} with its grout does not converge"),
                     ),
                 };
                 let element = bolt.hosts[segment];

@@ -14,7 +14,7 @@ use crate::groups::Groups;
 use crate::nodes::{Storage, with_nodes};
 use crate::{HourglassShare, Model, Precision};
 use sum::Sum;
-use work::{NodalWork, Present};
+use work::{MidStep, NodalWork};
 
 /// Factor between the reference energy of the residual and the energy lost to underflow in single precision.
 const FAR_ABOVE: f64 = 1.0e8;
@@ -278,7 +278,7 @@ impl Ledger {
         }
     }
 
-    fn read(&mut self, present: &Present, energies: &[BlockEnergy]) -> Reading {
+    fn read(&mut self, present: &MidStep, energies: &[BlockEnergy]) -> Reading {
         let mut sum = BlockEnergy::default();
         for energy in energies {
             sum += *energy;
