@@ -92,7 +92,7 @@ fn facet_sets_are_observed_by_their_nodes() {
     assert_eq!(Vec3::from(seen(&named)), x(3));
 }
 
-/// Stress of an element stands in six components and three principal stresses, the element found by
+/// Stress of an element is recorded as six components and three principal stresses, the element found by
 /// number or by coordinate in its set.
 #[test]
 fn stresses_are_kept_with_their_principal_values() {
@@ -132,7 +132,7 @@ fn stresses_are_kept_with_their_principal_values() {
 #[test]
 fn impossible_histories_are_refused() {
     let mut mesh = rough_block();
-    mesh.set_node_set("nobody", vec![]).unwrap();
+    mesh.set_node_set("empty", vec![]).unwrap();
     let build = |cadence, place: Place| {
         let history = History::builder(cadence).motion("p", place, Motion::ALL);
         history.build(&mesh).err().unwrap()
@@ -140,9 +140,9 @@ fn impossible_histories_are_refused() {
     let every = Cadence::Steps(1);
     let error = build(every, Place::Node(217));
     assert!(matches!(error, ObserveError::NoSuchNode { node: 217, .. }));
-    let error = build(every, Place::NodeSet("nobody".into()));
+    let error = build(every, Place::NodeSet("empty".into()));
     assert!(matches!(error, ObserveError::EmptySet { .. }));
-    let error = build(every, Place::NodeSet("somebody".into()));
+    let error = build(every, Place::NodeSet("missing".into()));
     assert!(matches!(
         error,
         ObserveError::Mesh(MeshError::NoSuchSet { .. })

@@ -367,7 +367,7 @@ fn only_strain_since_the_reference_counts() {
     }
 }
 
-/// An engine that does not tell the forces of elements is refused by the cut's name.
+/// An engine that does not provide the forces of elements is refused with the section's name.
 #[test]
 fn cuts_need_the_forces_of_elements() {
     let mesh = Kernel::Full.mesh(Vec3::zeros(), Vec3::repeat(2.0), [2, 2, 2]);
@@ -445,13 +445,13 @@ fn impossible_cuts_are_refused() {
         within: Some((Vec3::repeat(5.0), Vec3::repeat(6.0))),
         ..cut()
     };
-    let told = refused(boxed);
+    let refusal = refused(boxed);
     assert!(matches!(
-        told,
+        refusal,
         Some(ObserveError::EmptySection { outside: true, .. })
     ));
     // What is to blame has its name.
-    assert!(told.is_some_and(|error| error.to_string().contains("`reach`")));
+    assert!(refusal.is_some_and(|error| error.to_string().contains("`reach`")));
     assert!(refused(cut()).is_none());
     assert!(
         matches!(refused(cut()), Some(ObserveError::NameTwice { name }) if name == "cut.axial")

@@ -36,7 +36,7 @@ fn alike<'a>(built: &dyn Fn() -> ModelBuilder<'a>, increments: u32) {
     }
 }
 
-/// Elastic bodies on an oblique roller or on springs, and one that yields, come to the same rest by
+/// Elastic bodies on an oblique roller or on springs, and one that yields, reach the same equilibrium by
 /// dynamic relaxation as by conjugate gradients, to 1e-8; with the load in parts, too.
 #[test]
 fn relaxation_rests_where_gradients_do() {

@@ -66,7 +66,7 @@ fn at_rest(factory: impl Fn() -> Box<dyn BlockFactory>, heights: &[f64]) -> (f64
     (plastic, sections(&mut model, "pillar", heights))
 }
 
-/// Section forces of a set of a body that stands still, cut at some heights: the nine columns of each cut.
+/// Section forces of a set of a body in static equilibrium at some heights: the nine columns of each section.
 fn sections(model: &mut Model, set: &str, heights: &[f64]) -> Vec<[f64; 9]> {
     let mut forces = SectionForces::new(Cadence::Steps(1)).unwrap();
     for height in heights {
@@ -95,7 +95,7 @@ fn sections(model: &mut Model, set: &str, heights: &[f64]) -> Vec<[f64; 9]> {
     cuts.map(|cut| core::array::from_fn(|i| cut[i])).collect()
 }
 
-/// Sections of a body at rest after stages carry the weight above them and the moments of the pushes: in
+/// Sections of a body in static equilibrium after stages carry the weight above them and the moments of the pushes: in
 /// the foot, which bent before the head was cast, as in the head, which counts from there; where a part
 /// of the section yields as where none does, whatever the kernel.
 #[test]
