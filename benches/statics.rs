@@ -135,7 +135,7 @@ fn cavern(name: &str) {
     let mut shown = start;
     let first = State::at_rest(mesh.node_count());
     let (state, _) = run_stages(&mesh, first, &stages, &mut |event| {
-        if let StageEvent::AtRest { report, .. } = event {
+        if let StageEvent::Equilibrated { report, .. } = event {
             let time = shown.elapsed().as_secs_f64();
             println!("  {report:?}: {time:.1} s");
             shown = Instant::now();

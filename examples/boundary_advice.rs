@@ -24,7 +24,7 @@
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
+use powerhouse::engine::observe::{HistoryTable, Motion, ObservationPoint};
 use powerhouse::engine::{FacePressure, Profile, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Mesh, Vec3};
@@ -81,7 +81,7 @@ const MOTION: Motion = Motion {
 };
 
 /// The motion of some places at every step.
-fn output(places: &[(&str, Spot)], wanted: Motion) -> OutputPlan {
+fn output(places: &[(&str, ObservationPoint)], wanted: Motion) -> OutputPlan {
     let every_step = OutputPlan {
         every: f64::MIN_POSITIVE,
         ..OutputPlan::default()
@@ -183,14 +183,18 @@ impl Question for Slice {
         let cuts = [mesh.facet_set("front")?, mesh.facet_set("back")?].concat();
         let cuts = mesh.nodes_of_facets(&cuts);
         let centre = Vec3::new(0.0, 0.0, -DEPTH);
-        let on_wall =
-            |x: f64, z: f64| Spot::at(centre + RADIUS * Vec3::new(x, 0.0, z)).within(0.1 * RADIUS);
+        let on_wall = |x: f64, z: f64| {
+            ObservationPoint::at(centre + RADIUS * Vec3::new(x, 0.0, z)).within(0.1 * RADIUS)
+        };
         let places = [
             ("crown", on_wall(0.0, 1.0)),
             ("floor", on_wall(0.0, -1.0)),
             ("spring", on_wall(1.0, 0.0)),
-            ("surface", Spot::at(Vec3::zeros())),
-            ("aside", Spot::at(Vec3::new(-2.0 * RADIUS, 0.0, 0.0))),
+            ("surface", ObservationPoint::at(Vec3::zeros())),
+            (
+                "aside",
+                ObservationPoint::at(Vec3::new(-2.0 * RADIUS, 0.0, 0.0)),
+            ),
         ];
         let [start, end] = self.window()?;
         let wave = wave(WaveKind::P, [0.0; 2], Self::frequency()?, centre)?;
@@ -271,12 +275,13 @@ impl Question for Block {
         region: Option<Vec<u32>>,
     ) -> Outcome<Scene> {
         let half = 2.0 * self.brick;
-        let on_wall = |x: f64, z: f64| Spot::at(self.centre() + half * Vec3::new(x, 0.0, z));
+        let on_wall =
+            |x: f64, z: f64| ObservationPoint::at(self.centre() + half * Vec3::new(x, 0.0, z));
         let places = [
             ("crown", on_wall(0.0, 1.0)),
             ("floor", on_wall(0.0, -1.0)),
             ("wall", on_wall(1.0, 0.0)),
-            ("surface", Spot::at(Vec3::zeros())),
+            ("surface", ObservationPoint::at(Vec3::zeros())),
         ];
         let [start, end] = self.window()?;
         let wave = wave(WaveKind::SV, [25.0, 30.0], self.frequency()?, self.centre())?;
@@ -355,7 +360,7 @@ impl Question for Sphere {
         let history = Box::new(|time: f64| 1.0e6 * (time / RISE).min(1.0));
         let wall = mesh.facet_set("wall")?;
         let pressure = FacePressure::new(&mesh, wall, Profile::Uniform, history)?;
-        let places = [("wall", Spot::at(Vec3::new(CAVITY, 0.0, 0.0)))];
+        let places = [("wall", ObservationPoint::at(Vec3::new(CAVITY, 0.0, 0.0)))];
         let scene = Scene::new("sphere", mesh)
             .part(Part::new(
                 "rock",

@@ -6,7 +6,7 @@ pub mod compare;
 use std::sync::Arc;
 
 use powerhouse::boundary::{AxisParameters, DomainReduction, Spreading, ViscousSpring};
-use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
+use powerhouse::engine::observe::{HistoryTable, Motion, ObservationPoint};
 use powerhouse::engine::{Precision, SolidKernel, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Mesh, ParameterError, Vec3};
@@ -181,7 +181,7 @@ impl CavityModel {
         for degrees in WALL {
             let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
             let place = Vec3::new(RADIUS * cosine, 0.0, RADIUS * sine - DEPTH);
-            let spot = Spot::at(place).within(0.1 * RADIUS);
+            let spot = ObservationPoint::at(place).within(0.1 * RADIUS);
             output = output.history(&format!("w{degrees}"), spot, Motion::DISPLACEMENT);
         }
         let mut simulation = Scene::new("cavity", mesh)

@@ -48,7 +48,7 @@ fn nodes(mesh: &Mesh, face: &str) -> Result<Vec<u32>, ModelError> {
 
 /// Says what a stage has done.
 fn tell(event: StageEvent) {
-    if let StageEvent::AtRest { report, .. } = event {
+    if let StageEvent::Equilibrated { report, .. } = event {
         println!(
             "    {}: {} increments, {} corrections, moved by {:.3e} m, residual {:.1e}",
             report.name,
@@ -326,7 +326,7 @@ impl Site {
         let report = model.hand_over(1.0e-3)?;
         println!(
             "    handed over: {:.3e} N stand on, changed by {:.1e}",
-            report.standing, report.difference
+            report.carried_forces, report.difference
         );
         let mut still = [0.0_f64; 2];
         for _ in 0..20 {
@@ -423,7 +423,7 @@ mod tests {
         assert!(
             matches!(
                 &refused,
-                StageError::Rest { stage, source: StaticError::JointMoves { joint, .. } }
+                StageError::NotEquilibrated { stage, source: StaticError::JointMoves { joint, .. } }
                     if stage == "ground" && joint == "seam"
             ),
             "{refused}"

@@ -44,7 +44,7 @@ impl Case {
         let mut model = ground
             .with_boundary(&ViscousSpring::default(), &FACES, Some(self.field.as_ref()))
             .constraint(Box::new(tie))
-            .part_size(512)
+            .block_size(512)
             .build()
             .unwrap();
         let options = RunOptions::steps(60);

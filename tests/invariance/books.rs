@@ -59,7 +59,7 @@ fn shaken<M: ConstitutiveLaw>(
     options.damping.stiffness = stiffness;
     let mut model = Model::builder(&mesh)
         .elements("rock", kernel.factory("rock", law, options))
-        .part_size(48)
+        .block_size(48)
         .build()
         .unwrap();
     let velocity = |x: &Vec3| Vec3::new((0.2 * x.z).powi(2), 0.1 * x.x, 0.05 * x.z);

@@ -108,7 +108,7 @@ fn state(
         let builder = Model::builder(&mesh).elements("rock", factory);
         builder
             .threads(division.threads)
-            .part_size(48)
+            .block_size(48)
             .build()
             .unwrap()
     };

@@ -229,7 +229,7 @@ fn everything(threads: usize, precision: Precision) -> State {
     let mesh = hex_box([9, 8, 7], 1.0, 0.2);
     let mut model = with_everything(&mesh, precision)
         .threads(threads)
-        .part_size(32)
+        .block_size(32)
         .build()
         .unwrap();
     let count = mesh.node_count();
@@ -284,7 +284,7 @@ fn a_continued_run_has_the_same_bits() {
     let mesh = hex_box([6, 4, 4], 1.0, 0.2);
     let build = || {
         with_everything(&mesh, Precision::F64)
-            .part_size(16)
+            .block_size(16)
             .build()
             .unwrap()
     };

@@ -140,7 +140,7 @@ fn damped_box(mesh: &Mesh, precision: Precision, lanes: LaneWidth, threads: usiz
             ..BoundaryParts::default()
         })
         .threads(threads)
-        .part_size(40)
+        .block_size(40)
         .build()
         .unwrap();
     let count = mesh.node_count();
@@ -283,7 +283,7 @@ fn history_is_committed_once_per_step() {
             BlockOptions::default(),
         );
         let builder = Model::builder(&mesh).elements("rock", factory);
-        builder.part_size(part).build().unwrap()
+        builder.block_size(part).build().unwrap()
     };
     let options = RunOptions::steps(7).with_step(StepChoice::Unchecked(5e-5));
     let go = |model: &mut Model| run(model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();

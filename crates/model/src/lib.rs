@@ -1,10 +1,10 @@
-//! The words and the sockets of powerhouse.
+//! Common data types and interfaces of the finite element libraries.
 //!
-//! This crate holds what the engine reads and what two of the other crates exchange: the
+//! This crate defines the data that the engine reads or two of the other crates exchange: the
 //! [mesh](Mesh) with its named sets, [tensors](Stress), [elastic media](ElasticMedium), the
-//! [state](State) of a body, and the traits behind which element kernels, constitutive laws,
-//! incident fields, boundaries, joints, integrators and observers stand. It computes nothing
-//! of its own beyond geometry and tensor algebra.
+//! [state](State) of a body, and the traits of element kernels, constitutive laws,
+//! incident fields, absorbing boundaries, joints, time integrators and observers. It computes nothing
+//! beyond geometry and tensor algebra.
 //!
 //! # Conventions
 //! SI units. Tension is positive. `z` points up; a free surface is horizontal. Symmetric tensors
@@ -12,8 +12,8 @@
 //! Stresses are total stresses: pore pressure is not modelled. Strains and slips are small.
 //!
 //! # Why so
-//! *The model is not the state.* Results, checkpoints and stages are keyed by the user's node
-//! and element numbers ([`State`]); an engine renumbers as it likes and gives back what it got.
+//! *The state is separate from the model.* States, results and stages use mesh indices and the user's node
+//! and element numbers ([`State`]); an engine may renumber nodes and elements internally.
 //! *Contexts are structs*, so that a field added later breaks no implementation.
 //! *Dispatch is dynamic once per block and step*, static inside: see [`ElementBlock`] and
 //! [`ConstitutiveLaw`].

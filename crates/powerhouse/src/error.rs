@@ -263,7 +263,7 @@ impl Error {
     /// The stage in which static equilibrium did not converge, and the reason, if the error is of this kind.
     pub fn equilibrium_failure(&self) -> Option<(&str, &StaticError)> {
         match self {
-            Self::Stage(StageError::Rest { stage, source }) => Some((stage, source)),
+            Self::Stage(StageError::NotEquilibrated { stage, source }) => Some((stage, source)),
             Self::Scene(fault) => match fault.problem() {
                 Problem::Refused(source) => source.downcast_ref::<Self>()?.equilibrium_failure(),
                 _ => None,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::Ended;
-use powerhouse::engine::observe::{Cut, Motion};
+use powerhouse::engine::observe::{CrossSection, Motion};
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{
     Cadence, Fields, Flow, Mesh, ModelError, Observer, ParameterError, RunError, StepView, Vec3,
@@ -278,7 +278,7 @@ fn sections_through_tetrahedra_are_doubted() {
     let size = Vec3::new(40.0, 30.0, 20.0);
     let bricks = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
     let tetrahedra = Mesh::box_of_tets(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
-    let cut = Cut {
+    let cut = CrossSection {
         name: "waist".into(),
         point: Vec3::new(15.0, 15.0, 10.0),
         normal: Vec3::x(),

@@ -1,7 +1,7 @@
 //! Where a scene records, as nodes and elements of its mesh.
 
 use powerhouse::Scene;
-use powerhouse::engine::observe::{Place, Spot, StressPlace};
+use powerhouse::engine::observe::{ObservationPoint, Place, StressPlace};
 use powerhouse::model::{Mesh, Vec3};
 
 /// What of a mesh a scene records.
@@ -24,13 +24,13 @@ impl Recorded {
             .chain(plan.relative.iter().flat_map(|wish| [&wish.at, &wish.from]));
         for place in places {
             match place {
-                Place::Spot(spot) => recorded.add_spot(mesh, spot),
+                Place::Point(spot) => recorded.add_spot(mesh, spot),
                 Place::Node(_) | Place::NodeSet(_) => recorded.nodes.extend(nodes_of(mesh, place)),
             }
         }
         for wish in plan.stresses.iter().chain(&plan.state.places) {
             match &wish.place {
-                StressPlace::Spot(spot) => recorded.add_spot(mesh, spot),
+                StressPlace::Point(spot) => recorded.add_spot(mesh, spot),
                 StressPlace::Element(tag) => {
                     let known = mesh.element_tags().iter().position(|other| other == tag);
                     recorded
@@ -42,7 +42,7 @@ impl Recorded {
         recorded
     }
 
-    fn add_spot(&mut self, mesh: &Mesh, spot: &Spot) {
+    fn add_spot(&mut self, mesh: &Mesh, spot: &ObservationPoint) {
         self.points.push(spot.position);
         let among = spot.elements.as_ref().map(|set| mesh.element_set(set));
         let all = || (0..mesh.element_count() as u32).collect();
@@ -58,7 +58,7 @@ impl Recorded {
 /// refused where the scene is prepared.
 pub(crate) fn nodes_of(mesh: &Mesh, place: &Place) -> Vec<u32> {
     match place {
-        Place::Spot(_) => Vec::new(),
+        Place::Point(_) => Vec::new(),
         Place::Node(tag) => {
             let known = mesh.node_tags().iter().position(|other| other == tag);
             known.map(|node| node as u32).into_iter().collect()

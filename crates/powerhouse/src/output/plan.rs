@@ -1,7 +1,7 @@
 //! Output requests.
 
 use powerhouse_explicit_core::observe::{
-    Cut, JointQuantities, Motion, Place, SnapshotFields, StressPlace,
+    CrossSection, JointQuantities, Motion, Place, SnapshotFields, StressPlace,
 };
 
 use crate::JointZone;
@@ -41,7 +41,7 @@ pub struct RelativeRequest {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionRequest {
     /// The plane.
-    pub cut: Cut,
+    pub cut: CrossSection,
     /// The element set that is cut.
     pub set: String,
 }
@@ -208,7 +208,7 @@ impl OutputPlan {
     }
     /// Adds the forces of a cut through an element set.
     #[must_use]
-    pub fn cut(mut self, set: &str, cut: Cut) -> Self {
+    pub fn cut(mut self, set: &str, cut: CrossSection) -> Self {
         self.cuts.push(SectionRequest {
             cut,
             set: set.into(),

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{
-    BoltHistories, BoltTables, Column, Cut, EnergyHistory, Envelope, EnvelopeTable, History,
-    HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
+    BoltHistories, BoltTables, Column, CrossSection, EnergyHistory, Envelope, EnvelopeTable,
+    History, HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
     JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
 use powerhouse_explicit_core::{BoltSet, HandOverReport, HourglassShare, RunReport, StageReport};
@@ -242,7 +242,9 @@ impl Recordings {
                 let is_there = |e: &u32| present.is_none_or(|present| present[*e as usize]);
                 let set = mesh.element_set(&wish.set)?.iter().copied();
                 let elements: Vec<u32> = set.filter(is_there).collect();
-                forces.add_cut(mesh, &wish.cut, &elements).map_err(model)?;
+                forces
+                    .add_section(mesh, &wish.cut, &elements)
+                    .map_err(model)?;
                 remarks.extend(through_tetrahedra(mesh, wish, &elements));
             }
             recordings.section_geometry = forces.geometries().cloned().collect();
@@ -479,7 +481,7 @@ fn histories(
 
 /// Warning about a section through linear tetrahedra.
 fn through_tetrahedra(mesh: &Mesh, wish: &SectionRequest, elements: &[u32]) -> Option<Remark> {
-    let Cut {
+    let CrossSection {
         point,
         normal,
         within,

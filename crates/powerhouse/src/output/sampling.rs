@@ -28,7 +28,7 @@ pub(super) fn doubts(histories: &HistoryTable, envelope: Option<&EnvelopeTable>)
             interval,
         }));
     }
-    let share = envelope.and_then(EnvelopeTable::share_of_alternate_looks);
+    let share = envelope.and_then(EnvelopeTable::share_of_alternate_samples);
     let sparse = share.filter(|share| *share < OF_ALTERNATE_LOOKS);
     warnings.extend(sparse.map(|share| Remark::RareLooks { share }));
     warnings

@@ -228,7 +228,7 @@ impl Summary {
             }),
             stages: results.stages.iter().map(Stage::new).collect(),
             hand_over: results.hand_over.as_ref().map(|report| HandOver {
-                standing: report.standing,
+                standing: report.carried_forces,
                 difference: report.difference,
             }),
             bolts: results.bolts.iter().filter_map(Bolts::new).collect(),

@@ -1,7 +1,7 @@
 //! Output plan of a scene file.
 
 use powerhouse_explicit_core::observe::{
-    Cut, JointQuantities, Motion, Place, SnapshotFields, Spot, StressPlace,
+    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
 };
 use powerhouse_model::Vec3;
 
@@ -66,7 +66,7 @@ pub(super) fn plan(
             .map_err(|given| no_place(&["from", "from_node", "from_set"], given))?;
         if ![&at, &from]
             .iter()
-            .any(|place| matches!(place, Place::Spot(_)))
+            .any(|place| matches!(place, Place::Point(_)))
         {
             site.without_point()?;
         }
@@ -198,8 +198,8 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
     };
     let requested = quantities(&history.quantities, &MOTION)?;
     match &place {
-        Place::Spot(spot) => {
-            in_element(plan, &requested, &name, &StressPlace::Spot(spot.clone()));
+        Place::Point(spot) => {
+            in_element(plan, &requested, &name, &StressPlace::Point(spot.clone()));
         }
         _ => {
             let found = "stress or state at a node or set";
@@ -325,9 +325,9 @@ impl Site<'_> {
     }
 
     /// Point, checked to lie in the mesh.
-    fn spot(&self, at: &At<[Finite; 3]>) -> Result<Spot, Fault> {
+    fn spot(&self, at: &At<[Finite; 3]>) -> Result<ObservationPoint, Fault> {
         let mesh = self.names.mesh;
-        let mut spot = Spot::at(vector(at));
+        let mut spot = ObservationPoint::at(vector(at));
         if let Some(within) = self.within {
             check_reach(mesh, (within.get(), within.span()))?;
             spot = spot.within(within.get());
@@ -364,7 +364,7 @@ fn cut(names: &Names, section: &Section) -> Result<SectionRequest, Fault> {
     names.elements(&section.set)?;
     let point = vector(&section.at);
     Ok(SectionRequest {
-        cut: Cut {
+        cut: CrossSection {
             name: section.name.to_string(),
             point,
             normal: vector(&section.normal),

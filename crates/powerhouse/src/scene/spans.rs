@@ -47,7 +47,7 @@ fn stage_of(error: &StageError) -> Option<&str> {
     match error {
         StageError::Elements { stage, .. }
         | StageError::Model { stage, .. }
-        | StageError::Rest { stage, .. } => Some(stage),
+        | StageError::NotEquilibrated { stage, .. } => Some(stage),
         _ => None,
     }
 }
@@ -165,10 +165,11 @@ impl SceneSpans {
             return self.materials.get(set).cloned();
         }
         match source.downcast_ref() {
-            Some(ObserveError::EmptyCut { cut, .. } | ObserveError::NoDirection { cut, .. }) => {
-                self.cuts.get(cut).cloned()
-            }
-            Some(ObserveError::NothingThere { name, .. }) => self.histories.get(name).cloned(),
+            Some(
+                ObserveError::EmptySection { section, .. }
+                | ObserveError::NoDirection { section, .. },
+            ) => self.cuts.get(section).cloned(),
+            Some(ObserveError::InactiveLocation { name, .. }) => self.histories.get(name).cloned(),
             _ => None,
         }
     }

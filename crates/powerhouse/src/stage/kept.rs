@@ -253,7 +253,7 @@ kept_fields!(State {
     initial_stress,
     absent,
     casts,
-    standing,
+    carried_forces,
     history,
     joints,
 });

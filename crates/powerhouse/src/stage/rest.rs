@@ -191,12 +191,12 @@ impl Staging {
                     sink.progress(stage, progress);
                 }
             }
-            StageEvent::AtRest { model, .. } => stress = model.stress_changes(),
+            StageEvent::Equilibrated { model, .. } => stress = model.stress_changes(),
             _ => {}
         };
         let (state, mut reports) =
             run_stages(mesh, state, &[engine], &mut watch).map_err(|error| match error {
-                StageError::Rest {
+                StageError::NotEquilibrated {
                     stage,
                     source: StaticError::Interrupted,
                 } => Error::Interrupted { stage },

@@ -641,7 +641,7 @@ fn what_the_model_refuses_has_a_place_too() {
         (
             "[[output.history]]",
             "[[output.section]]\nname = \"a\"\nset = \"lining\"\nat = §[0, 0, -5]\nnormal = [0, 0, 1]\nalong = [1, 0, 0]\n[[output.history]]",
-            "meets none of its elements",
+            "intersects none of its elements",
         ),
         (
             "[[output.history]]",

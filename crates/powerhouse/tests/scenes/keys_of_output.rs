@@ -1,6 +1,8 @@
 //! Output requests: every key of a scene file gives the plan of the Rust interface.
 
-use powerhouse::engine::observe::{Cut, Motion, Place, SnapshotFields, Spot, StressPlace};
+use powerhouse::engine::observe::{
+    CrossSection, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
+};
 use powerhouse::model::Vec3;
 use powerhouse::{EnvelopeRequest, OutputPlan, SnapshotRequest};
 
@@ -22,7 +24,7 @@ fn plan() -> OutputPlan {
 fn plans() {
     let variants = Variants::new("plans");
     let spot = Vec3::new(20.0, 30.0, -40.0);
-    let near = Spot::at(Vec3::new(20.0, 30.0, 0.4)).within(0.5);
+    let near = ObservationPoint::at(Vec3::new(20.0, 30.0, 0.4)).within(0.5);
     let stress = Motion::default();
     let velocity = Motion::VELOCITY;
     for (keys, expected) in [
@@ -72,7 +74,7 @@ fn plans() {
             "[[output.section]]\nname = \"p\"\nset = \"rock\"\nat = [20, 30, -40]\nnormal = [0, 0, 2]\nalong = [1, 0, 0]\nreach = 60",
             plan().cut(
                 "rock",
-                Cut {
+                CrossSection {
                     name: "p".into(),
                     point: spot,
                     normal: Vec3::new(0.0, 0.0, 2.0),

@@ -70,7 +70,7 @@ fn places_where_nothing_is_are_refused() {
             Ok(()) => assert!(is_there, "{place}"),
             Err(Error::Scene(fault)) => {
                 assert!(!is_there, "{place}: {fault}");
-                assert!(fault.to_string().contains("where nothing is"), "{fault}");
+                assert!(fault.to_string().contains("no active element"), "{fault}");
                 assert_eq!(fault.position().0, line, "{fault}");
             }
             Err(other) => panic!("{place}: {other}"),

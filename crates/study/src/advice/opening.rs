@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse::boundary::{Spreading, ViscousSpring};
-use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
+use powerhouse::engine::observe::{HistoryTable, Motion, ObservationPoint};
 use powerhouse::engine::{FacePressure, Profile, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{AbsorbingBoundary, Mesh, ModelError, Vec3};
@@ -276,7 +276,7 @@ impl Opening {
         for degrees in WALL {
             let (sine, cosine) = degrees.to_radians().sin_cos();
             let place = Vec3::new(cosine, 0.0, sine) * slice.radius - Vec3::z() * slice.depth;
-            let spot = Spot::at(place).within(0.1 * slice.radius);
+            let spot = ObservationPoint::at(place).within(0.1 * slice.radius);
             output = output.history(&format!("wall {degrees}"), spot, wanted);
         }
         if !self.absorbing_top {

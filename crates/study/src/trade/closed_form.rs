@@ -109,7 +109,7 @@ pub(super) fn closed_form(
 fn points(scene: &Scene, place: &Place) -> Vec<Vec3> {
     let mesh = scene.mesh();
     match place {
-        Place::Spot(spot) => vec![spot.position],
+        Place::Point(spot) => vec![spot.position],
         Place::Node(_) | Place::NodeSet(_) => {
             let nodes = nodes_of(mesh, place).into_iter();
             nodes.map(|node| mesh.positions()[node as usize]).collect()
