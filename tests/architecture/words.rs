@@ -168,15 +168,10 @@ const PRIVATE: &[Private] = &[
         "time-discretised (dynamic) form of a law",
     ),
     words(
-        &[
-            "no choice repeats",
-            "unrepeated",
-            "nudge",
-            "nudged",
-            "larger by a millionth",
-        ],
+        &["no choice repeats", "unrepeated", "larger by a millionth"],
         "not reproducible; perturbation test",
     ),
+    names(&["NUDGE", "NUDGED"], "perturbation"),
     words(
         &["who may stop a case", "how it goes"],
         "progress callback and cancellation flag",
