@@ -1,5 +1,7 @@
-//! The shape of the workspace, read from its manifests and sources.
+//! The shape of the workspace, read from its manifests, sources and documents.
 
 mod dependencies;
+mod documents;
 mod manifests;
 mod sources;
+mod words;
