@@ -1,4 +1,4 @@
-//! A spherical cavity under a sudden pressure, in place of loads in a scene.
+//! Substitute model of loads: a spherical cavity under a pressure step.
 
 use core::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -16,18 +16,18 @@ use super::candidate::{BoundaryKind, Standing};
 use super::setting::Setting;
 use crate::{ShellOctant, StudyError, largest_error, probe_errors};
 
-/// Bricks along a side of a patch.
+/// Elements along a side of a patch.
 const AROUND: usize = 4;
-/// Bricks along the radius, per radius of the cavity at its wall.
+/// Elements along the radius, per radius of the cavity at its wall.
 const ALONG: f64 = 20.0;
-/// Ways out to the boundary, by P waves, after which nothing new happens.
+/// Travel times of P waves to the boundary after which the motion has ended.
 const WAYS: f64 = 50.0;
-/// The pressure rises while a P wave travels this share of the radius.
+/// Rise time of the pressure over the travel time of a P wave along the radius.
 const RISE: f64 = 0.5;
-/// Share of the stable step.
+/// Time step over the stable step.
 const STEP_SHARE: f64 = 0.95;
 
-/// A cavity as large as what is loaded, in a ball of ground up to the nearest face.
+/// A spherical cavity with the radius of the loaded structure, in a shell of ground up to the nearest face.
 pub(super) struct Shell {
     inner: f64,
     outer: f64,
@@ -36,7 +36,7 @@ pub(super) struct Shell {
 }
 
 impl Shell {
-    /// The cavity of a setting, with its faces so many times as far, for so long (s).
+    /// The substitute model of a scene with the distances of the faces multiplied by `farther`, for a duration (s).
     pub(super) fn of(setting: &Setting, farther: f64, duration: f64) -> Result<Self, StudyError> {
         let inner = setting.radius.ok_or(StudyError::NoBoundary)?;
         let distances = setting.least_distances();
@@ -66,7 +66,7 @@ impl Shell {
     }
 
     fn octant(&self, rings: usize) -> ShellOctant {
-        // Rings beyond the outside go on as those within it.
+        // Rings beyond the outer face continue the geometric growth.
         let ratio = (self.outer / self.inner).ln() / self.rings() as f64;
         ShellOctant {
             inner: self.inner,
@@ -76,7 +76,7 @@ impl Shell {
         }
     }
 
-    /// Each boundary's error of displacement at the wall.
+    /// The error of displacement at the wall for each boundary, with the numbers of elements of both meshes.
     pub(super) fn errors(
         &self,
         kinds: &[BoundaryKind],
