@@ -396,7 +396,7 @@ fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
         let measured = largest_error(&probe_errors(&found, &reference)?);
         let (predicted, name) = (candidate.predicted, candidate.kind.name());
         println!("{name}: predicted {predicted:.4}, measured {measured:.4}");
-        let is_named = advice.named().is_some_and(|named| named == candidate);
+        let is_named = advice.recommended().is_some_and(|named| named == candidate);
         let remark = match is_named {
             true => "of the boundary that is named",
             false => "of another boundary",
@@ -413,7 +413,7 @@ fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
         }
     }
     // Without a boundary that is named nothing is shown.
-    let unnamed = f64::from(u8::from(advice.named().is_none()));
+    let unnamed = f64::from(u8::from(advice.recommended().is_none()));
     figures.at_most(&figure("unnamed"), unnamed, 0.0);
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use powerhouse_study::{Price, draw_prices, price_front};
+use powerhouse_study::{ParetoPoint, draw_pareto_front, pareto_front};
 
 use crate::Outcome;
 
@@ -26,7 +26,7 @@ pub struct PriceTable {
     /// What is solved, and what the error is of.
     pub about: &'static str,
     /// The ways and what they came to; costs are told over that of the first one.
-    pub rows: Vec<Price>,
+    pub rows: Vec<ParetoPoint>,
     /// The relative error of what errors are measured against; those below it are drawn there.
     pub uncertainty: f64,
 }
@@ -49,7 +49,7 @@ impl PriceTable {
         let name = choice.into();
         let (error, cost) = (priced.error, priced.seconds);
         println!("{}: {name}: error {error:.2e} in {cost:.3} s", self.name);
-        self.rows.push(Price { name, cost, error });
+        self.rows.push(ParetoPoint { name, cost, error });
     }
 
     /// The table in Markdown; rows on the front are bold.
@@ -65,7 +65,7 @@ impl PriceTable {
             );
         }
         text += "| choice | relative error | cost |\n|---|---|---|\n";
-        let front = price_front(&self.rows);
+        let front = pareto_front(&self.rows);
         for (place, row) in self.relative().iter().enumerate() {
             let mark = if front.contains(&place) { "**" } else { "" };
             let _ = writeln!(
@@ -90,7 +90,7 @@ impl PriceTable {
         let file = folder.join(format!("{}.svg", self.name));
         let cost = ("wall time over that of the first choice", "1");
         let rows = self.relative();
-        Ok(draw_prices(
+        Ok(draw_pareto_front(
             &file,
             self.title,
             cost,
@@ -100,9 +100,9 @@ impl PriceTable {
     }
 
     /// The rows with their costs over that of the first one.
-    fn relative(&self) -> Vec<Price> {
+    fn relative(&self) -> Vec<ParetoPoint> {
         let unit = self.rows.first().map_or(1.0, |row| row.cost);
-        let relative = |row: &Price| Price {
+        let relative = |row: &ParetoPoint| ParetoPoint {
             cost: row.cost / unit,
             ..row.clone()
         };

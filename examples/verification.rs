@@ -278,7 +278,7 @@ fn bay(scene: &Path, window: f64) -> Outcome<PriceTable> {
     let folder = std::env::temp_dir().join("powerhouse-verification-bay");
     let mut trade = Trade::of_file(scene, Some(folder))?.window(window);
     let report = trade.run(Goal::Front, None, &mut Aloud)?;
-    table.rows = report.prices();
+    table.rows = report.pareto_points();
     table.uncertainty = report.reference_error.unwrap_or(0.0);
     Ok(table)
 }

@@ -43,7 +43,7 @@ impl SweepWatch for Aloud {
 fn case(scene: &str, name: &str, duration: Option<f64>) -> Outcome<Sweep> {
     let sweep = Sweep::of_file(scene, None)?.only(&[name.to_owned()])?;
     Ok(match duration {
-        Some(duration) => sweep.lasting(duration)?,
+        Some(duration) => sweep.with_duration(duration)?,
         None => sweep,
     })
 }

@@ -12,7 +12,7 @@ use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
 use powerhouse::{Boundary, Material, OutputPlan, Part, Registry, RunHooks, Scene};
-use powerhouse_study::advice::{BoundaryKind, Drive, Obstacle, Setting};
+use powerhouse_study::advice::{BoundaryKind, BoundaryProblem, Excitation, Obstacle};
 use powerhouse_study::{BoundaryAdvice, OpeningSlice, StudyError, advise_boundary, advise_box};
 
 const ROCK: ElasticMedium = ElasticMedium {
@@ -122,12 +122,12 @@ fn cube(known: bool) -> Scene {
 /// which waves come and up to which frequency they move the surface.
 #[test]
 fn a_setting_is_what_the_scene_says() {
-    let folder = Folder::new("setting", &OPENING.mesh().unwrap());
-    let setting = Setting::of(&folder.read(BOUNDARY)).unwrap();
-    assert!((setting.radius.unwrap() - 2.0).abs() < 1e-9);
-    assert!((setting.depth.unwrap() - 4.0).abs() < 1e-9);
+    let folder = Folder::new("problem", &OPENING.mesh().unwrap());
+    let problem = BoundaryProblem::of(&folder.read(BOUNDARY)).unwrap();
+    assert!((problem.radius.unwrap() - 2.0).abs() < 1e-9);
+    assert!((problem.depth.unwrap() - 4.0).abs() < 1e-9);
     let expected = [[Some(12.0), Some(12.0)], [None, None], [Some(8.0), None]];
-    for (found, expected) in setting
+    for (found, expected) in problem
         .distances
         .iter()
         .flatten()
@@ -136,8 +136,8 @@ fn a_setting_is_what_the_scene_says() {
         assert_eq!(found.is_some(), expected.is_some());
         assert!((found.unwrap_or(0.0) - expected.unwrap_or(0.0)).abs() < 1e-9);
     }
-    assert_eq!(setting.spreading, Spreading::Cylindrical);
-    let Drive::Waves { waves, band } = &setting.drive else {
+    assert_eq!(problem.spreading, Spreading::Cylindrical);
+    let Excitation::Waves { waves, band } = &problem.drive else {
         panic!("waves come in")
     };
     assert_eq!((waves.len(), waves[0].kind), (1, WaveKind::P));
@@ -157,7 +157,7 @@ fn the_table_makes_the_boundary_that_is_named() {
     let advice =
         |error: f64| -> BoundaryAdvice { advise_boundary(&folder.read(BOUNDARY), error).unwrap() };
     let generous = advice(0.9);
-    let named = generous.named().unwrap().clone();
+    let named = generous.recommended().unwrap().clone();
     assert!(
         generous
             .candidates
@@ -176,7 +176,7 @@ fn the_table_makes_the_boundary_that_is_named() {
 
     // Nothing meets a billionth: the best is told, and no table.
     let strict = advice(1e-9);
-    assert!(strict.named().is_none() && strict.table().is_none());
+    assert!(strict.recommended().is_none() && strict.table().is_none());
     assert_eq!(strict.candidates[0].kind, named.kind);
     assert!(
         strict.reason().contains("no boundary meets"),
@@ -198,8 +198,8 @@ fn a_box_is_as_small_as_the_error_permits() {
     let whole = folder.read(BOUNDARY);
     let generous = advise_box(&whole, 0.9).unwrap();
     let near = generous.nearer.as_ref().unwrap();
-    assert!(near.predicted > generous.as_it_stands);
-    let limit = 0.5 * (near.predicted + generous.as_it_stands);
+    assert!(near.predicted > generous.unchanged);
+    let limit = 0.5 * (near.predicted + generous.unchanged);
     let strict = advise_box(&whole, limit).unwrap();
     let far = strict.nearer.as_ref().unwrap();
     assert!(far.predicted <= limit && near.predicted <= 0.9);
@@ -223,7 +223,7 @@ fn a_box_is_as_small_as_the_error_permits() {
     };
     let small = read(key);
     assert_eq!(small.mesh().element_count(), far.elements);
-    let [x, _, z] = Setting::of(&small).unwrap().distances;
+    let [x, _, z] = BoundaryProblem::of(&small).unwrap().distances;
     for (own, whole) in [(x[0], 20.0), (x[1], 20.0), (z[0], 16.0)] {
         let own = own.unwrap();
         assert!((own - far.share * whole).abs() <= 0.6, "{own} {whole}");
@@ -238,7 +238,7 @@ fn a_box_is_as_small_as_the_error_permits() {
     }
     let error = (apart / all).sqrt();
     // Either of them errs.
-    let permitted = limit + strict.as_it_stands;
+    let permitted = limit + strict.unchanged;
     assert!(error <= permitted, "{error} {permitted}");
 
     let refused = advise_box(&read(""), 1e-9).unwrap();
@@ -250,8 +250,8 @@ fn a_box_is_as_small_as_the_error_permits() {
 #[test]
 fn where_nothing_scatters_anything_will_do() {
     let advice = advise_boundary(&cube(true), 0.05).unwrap();
-    assert_eq!(advice.setting.radius, None);
-    assert_eq!(advice.named().unwrap().kind, BoundaryKind::Viscous);
+    assert_eq!(advice.problem.radius, None);
+    assert_eq!(advice.recommended().unwrap().kind, BoundaryKind::Viscous);
     assert!(
         advice
             .candidates
@@ -262,12 +262,12 @@ fn where_nothing_scatters_anything_will_do() {
     assert!(advice.table().unwrap().contains("kind = \"viscous\""));
     // Springs of 4 G/r stand in for a distance of (lambda + 2 G) r/(4 G (1 + A)).
     let kind = BoundaryKind::StaticSprings;
-    let standing = powerhouse_study::advice::Standing {
+    let surroundings = powerhouse_study::advice::Surroundings {
         medium: ROCK,
         spreading: Spreading::Spherical,
         distances: [45.0; 3],
     };
-    let face = kind.face(&standing, 45.0);
+    let face = kind.face(&surroundings, 45.0);
     assert!((face.normal_spring / (4.0 * ROCK.shear() / 45.0) - 1.0).abs() < 1e-12);
 }
 
@@ -284,7 +284,7 @@ fn what_advice_needs_is_asked_for() {
         .part(rock())
         .boundary(Boundary::new(ViscousSpring::default(), ["bottom"]))
         .output(OutputPlan::default().history("top", Vec3::repeat(3.0), Motion::ALL));
-    assert!(matches!(refused(&still), StudyError::Undriven));
+    assert!(matches!(refused(&still), StudyError::NoExcitation));
     let narrow = OpeningSlice {
         half_width: 4.4,
         fine: 0.25,
@@ -327,7 +327,7 @@ fn predictions_know_the_dashpots_of_the_scene() {
         assert_ne!(error(1.0), error(1.1));
         for (ratio, expected) in [("", 1.0), ("b = \"paper\"", 1.1), ("b = 1.1", 1.1)] {
             // An error that no face meets is not asked of any nearer one.
-            let found = advise_box(&read(ratio), 1e-6).unwrap().as_it_stands;
+            let found = advise_box(&read(ratio), 1e-6).unwrap().unchanged;
             assert_eq!(found, error(expected), "{ratio}");
         }
     }

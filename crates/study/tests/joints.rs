@@ -36,7 +36,7 @@ fn cut(
 
 fn doubts(scene: &Scene) -> Vec<Warning> {
     let all = warnings(scene).unwrap().into_iter();
-    all.filter(|warning| !matches!(warning, Warning::Undriven))
+    all.filter(|warning| !matches!(warning, Warning::NoExcitation))
         .collect()
 }
 

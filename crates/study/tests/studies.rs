@@ -156,7 +156,7 @@ fn what_comes_in_is_held_against_the_elements() {
     );
     let (mesh, _) = cube(4);
     let undriven = Scene::new("undriven", mesh).part(rock());
-    assert_eq!(warnings(&undriven).unwrap(), [Warning::Undriven]);
+    assert_eq!(warnings(&undriven).unwrap(), [Warning::NoExcitation]);
     // The pulse needs a quarter of a second to the surface.
     let (mesh, wave) = cube_under(4, Arc::new(SmoothPulse::new(0.01, 0.5).unwrap()));
     let early = Scene::new("early", mesh)

@@ -7,7 +7,7 @@ use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{RunHooks, Scene};
 use powerhouse_study::trade::{
-    Factor, Goal, Quantity, Reference, Silent, Trade, TradeCase, TradeWatch,
+    Factor, Goal, NoProgress, Quantity, Reference, Trade, TradeCase, TradeWatch,
 };
 use powerhouse_study::{StudyError, registry};
 
@@ -206,9 +206,12 @@ fn the_scene_of_a_trade_keeps_its_promise() {
 #[test]
 fn ground_without_a_structure_has_a_closed_form() {
     let folder = Folder::new("closed", SCENE);
-    let trade = folder.trade().window(0.2).against(Reference::ClosedForm);
+    let trade = folder
+        .trade()
+        .window(0.2)
+        .with_reference(Reference::ClosedForm);
     let mut trade = trade.with_mesh_error();
-    let report = trade.run(Goal::Front, None, &mut Silent).unwrap();
+    let report = trade.run(Goal::Front, None, &mut NoProgress).unwrap();
     let finest = &report.cases[0];
     // Eight bricks to the shortest wavelength of the pulse.
     assert!(
@@ -236,14 +239,17 @@ fn ground_without_a_structure_has_a_closed_form() {
         "material = \"rock\"\ndamping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [2, 10] }\nrim = 0\n[[wave]]",
     );
     let folder = Folder::new("damped", &damped);
-    let mut trade = folder.trade().window(0.01).against(Reference::ClosedForm);
+    let mut trade = folder
+        .trade()
+        .window(0.01)
+        .with_reference(Reference::ClosedForm);
     assert!(
         trade
             .factors()
             .iter()
             .any(|factor| factor.name == "damping")
     );
-    let refused = trade.run(Goal::Front, None, &mut Silent).unwrap_err();
+    let refused = trade.run(Goal::Front, None, &mut NoProgress).unwrap_err();
     assert!(
         matches!(refused, StudyError::NoClosedForm { .. }),
         "{refused}"
@@ -254,8 +260,11 @@ fn ground_without_a_structure_has_a_closed_form() {
 #[test]
 fn disturbed_ground_has_no_closed_form() {
     let refused = |folder: &Folder| {
-        let mut trade = folder.trade().window(0.01).against(Reference::ClosedForm);
-        match trade.run(Goal::Front, None, &mut Silent) {
+        let mut trade = folder
+            .trade()
+            .window(0.01)
+            .with_reference(Reference::ClosedForm);
+        match trade.run(Goal::Front, None, &mut NoProgress) {
             Err(StudyError::NoClosedForm { reason }) => reason,
             other => panic!("{other:?}"),
         }
@@ -305,7 +314,7 @@ fn all_combinations_of_some_factors_are_run() {
         ]
     );
     assert_eq!(watch.announced.map(|(runs, ..)| runs), Some(6));
-    assert_eq!(report.foreseen, None, "no history variables");
+    assert_eq!(report.partial_window, None, "no history variables");
 
     // The scene's own step is not the finest: with all factors its runs are others, and are not taken for these.
     let mut watch = Counted::default();
@@ -319,10 +328,10 @@ fn all_combinations_of_some_factors_are_run() {
 
     let of = |quantity| every().comparing(&[quantity]).unwrap();
     let velocity = of(Quantity::Velocity)
-        .run(Goal::Front, None, &mut Silent)
+        .run(Goal::Front, None, &mut NoProgress)
         .unwrap();
     let displacement = of(Quantity::Displacement)
-        .run(Goal::Front, None, &mut Silent)
+        .run(Goal::Front, None, &mut NoProgress)
         .unwrap();
     for ((all, v), u) in report
         .cases
@@ -340,7 +349,7 @@ fn all_combinations_of_some_factors_are_run() {
             "{all:?} {v:?} {u:?}"
         );
     }
-    let early = trade().window(0.01).run(Goal::Front, None, &mut Silent);
+    let early = trade().window(0.01).run(Goal::Front, None, &mut NoProgress);
     let refused = early.unwrap_err();
     assert!(
         matches!(refused, StudyError::StillHistories { window: 0.01 }),
@@ -350,9 +359,9 @@ fn all_combinations_of_some_factors_are_run() {
     let stress = "quantities = [\"displacement\", \"stress\"]";
     let with_stress = SCENE.replace("quantities = [\"displacement\", \"velocity\"]", stress);
     let of_stress = Folder::new("stress", &with_stress);
-    let closed = of_stress.trade().against(Reference::ClosedForm);
+    let closed = of_stress.trade().with_reference(Reference::ClosedForm);
     let mut closed = closed.comparing(&[Quantity::Stress]).unwrap();
-    let refused = closed.run(Goal::Front, None, &mut Silent).unwrap_err();
+    let refused = closed.run(Goal::Front, None, &mut NoProgress).unwrap_err();
     assert!(
         matches!(refused, StudyError::NoClosedForm { .. }),
         "{refused}"
@@ -421,7 +430,7 @@ fn ground_stays_where_it_is_needed() {
     }
     let folder = Folder::new("loaded", &load("top"));
     let mut trade = folder.trade().window(0.1).with_mesh_error();
-    let refused = trade.run(Goal::Front, None, &mut Silent).unwrap_err();
+    let refused = trade.run(Goal::Front, None, &mut NoProgress).unwrap_err();
     assert!(
         matches!(
             refused,
@@ -444,7 +453,10 @@ fn a_level_that_fails_is_left_out() {
         "title = \"block\"\nenergy_residual = 1e-9",
     );
     let folder = Folder::new("failing", &strict);
-    let report = folder.trade().run(Goal::Front, None, &mut Silent).unwrap();
+    let report = folder
+        .trade()
+        .run(Goal::Front, None, &mut NoProgress)
+        .unwrap();
     let failed: Vec<&str> = report
         .failed
         .iter()
@@ -481,7 +493,7 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
     let run = || {
         let trade = folder.trade().window(0.3);
         let mut trade = trade.only(&["statics", "input"]).unwrap();
-        trade.run(Goal::Front, None, &mut Silent).unwrap()
+        trade.run(Goal::Front, None, &mut NoProgress).unwrap()
     };
     let report = run();
     let names: Vec<&str> = report.cases.iter().map(|case| case.name.as_str()).collect();
@@ -491,7 +503,7 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
     );
     assert!(names.contains(&"statics a hundred times"), "{names:?}");
     // Rock that yields may do so later.
-    assert_eq!(report.foreseen, Some(0.3));
+    assert_eq!(report.partial_window, Some(0.3));
     let [(name, why)] = report.failed.as_slice() else {
         panic!("{:?}", report.failed);
     };
@@ -502,7 +514,7 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
     let nudged = folders.map(|entry| entry.unwrap().path());
     let mut nudged = nudged.filter(|path| path.to_string_lossy().ends_with("-nudged"));
     std::fs::remove_dir_all(nudged.next().unwrap()).unwrap();
-    assert_eq!(run().unrepeated, report.unrepeated);
+    assert_eq!(run().sensitive, report.sensitive);
 }
 
 /// A reference whose stage fails for another reason than its tolerance is not tried with a coarser one.

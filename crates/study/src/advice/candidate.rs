@@ -31,7 +31,7 @@ pub enum BoundaryKind {
 /// Ground at an absorbing boundary: medium, geometrical spreading and distances to the scatterer, from which
 /// the spring and dashpot coefficients follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Standing {
+pub struct Surroundings {
     /// Elastic medium behind the faces.
     pub medium: ElasticMedium,
     /// Geometrical spreading of the scattered waves: cylindrical or spherical.
@@ -90,7 +90,7 @@ impl BoundaryKind {
     /// A distance that is not a positive number.
     pub fn condition(
         &self,
-        standing: &Standing,
+        surroundings: &Surroundings,
         bottom: &[String],
     ) -> Result<Arc<dyn AbsorbingBoundary>, ParameterError> {
         let input = match self {
@@ -103,30 +103,30 @@ impl BoundaryKind {
             return Ok(Arc::new(Viscous { input }));
         }
         let mut axes = [AxisParameters::PAPER; 3];
-        for (axis, distance) in axes.iter_mut().zip(standing.distances) {
+        for (axis, distance) in axes.iter_mut().zip(surroundings.distances) {
             // Other kinds take the distance of each node from the scene's geometry.
             let given = matches!(self, Self::StaticSprings)
-                .then(|| self.distance(&standing.medium, distance));
+                .then(|| self.distance(&surroundings.medium, distance));
             *axis = AxisParameters::new(AMPLITUDE_RATIO, self.speed_ratio(), given)?;
         }
         Ok(Arc::new(ViscousSpring {
             axes,
-            spreading: standing.spreading,
+            spreading: surroundings.spreading,
             input,
         }))
     }
 
     /// Spring and dashpot coefficients per area of a face at a distance (m) from the scatterer.
     #[must_use]
-    pub fn face(&self, standing: &Standing, distance: f64) -> FaceCoefficients {
-        let medium = &standing.medium;
+    pub fn face(&self, surroundings: &Surroundings, distance: f64) -> FaceCoefficients {
+        let medium = &surroundings.medium;
         if *self == Self::Viscous {
             return FaceCoefficients::viscous(medium);
         }
         let distance = self.distance(medium, distance);
         let face =
             FaceCoefficients::viscous_spring(medium, AMPLITUDE_RATIO, self.speed_ratio(), distance);
-        match standing.spreading {
+        match surroundings.spreading {
             Spreading::Spherical => face,
             Spreading::Cylindrical => face.with_springs_scaled(0.5),
         }
@@ -137,28 +137,28 @@ impl BoundaryKind {
     ///
     /// # Errors
     /// A frequency that is not positive.
-    pub fn returned(
+    pub fn reflected(
         &self,
-        standing: &Standing,
+        surroundings: &Surroundings,
         distance: f64,
         frequency: f64,
     ) -> Result<[f64; 2], ParameterError> {
-        let face = self.face(standing, distance);
+        let face = self.face(surroundings, distance);
         let rate = core::f64::consts::TAU * frequency;
-        let of = |wave| reflection(&standing.medium, &face, wave, 0.0, rate);
+        let of = |wave| reflection(&surroundings.medium, &face, wave, 0.0, rate);
         let (p, sv) = (of(PlaneWave::P)?, of(PlaneWave::Sv)?);
         Ok([p.p.norm(), sv.sv.norm()])
     }
 
     /// Whether the boundary resists static loads: every kind but dashpots alone.
     #[must_use]
-    pub fn holds(&self) -> bool {
+    pub fn resists_static_loads(&self) -> bool {
         *self != Self::Viscous
     }
 
     /// The lines of a scene's `[boundary]` table for this boundary, without `faces` and `scatterer`.
     #[must_use]
-    pub fn keys(&self, standing: &Standing, bottom: &[String]) -> String {
+    pub fn keys(&self, surroundings: &Surroundings, bottom: &[String]) -> String {
         let mut keys = String::new();
         let mut key = |line: String| {
             keys.push_str(&line);
@@ -170,12 +170,12 @@ impl BoundaryKind {
         }
         key("kind = \"viscous-spring\"".into());
         key(format!("b = {:?}", self.speed_ratio()));
-        if standing.spreading == Spreading::Cylindrical {
+        if surroundings.spreading == Spreading::Cylindrical {
             key("spreading = \"cylindrical\"".into());
         }
         if *self == Self::StaticSprings {
-            for (axis, distance) in ['x', 'y', 'z'].into_iter().zip(standing.distances) {
-                let distance = self.distance(&standing.medium, distance);
+            for (axis, distance) in ['x', 'y', 'z'].into_iter().zip(surroundings.distances) {
+                let distance = self.distance(&surroundings.medium, distance);
                 key(format!("{axis} = {{ distance = {distance:.6e} }}"));
             }
         }

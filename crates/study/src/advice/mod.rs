@@ -41,11 +41,11 @@ mod setting;
 mod shell;
 
 pub use band::Band;
-pub use candidate::{BoundaryKind, Standing};
-pub(crate) use room::{Bounds, Room, kind_of};
+pub use candidate::{BoundaryKind, Surroundings};
+pub(crate) use room::{Bounds, BoxReduction, kind_of};
 pub use room::{BoxAdvice, NearerFaces, Obstacle, advise_box};
 pub(crate) use setting::inner_free_surface;
-pub use setting::{ArrivingWave, Drive, Setting};
+pub use setting::{ArrivingWave, BoundaryProblem, Excitation};
 
 use std::sync::Arc;
 
@@ -85,7 +85,7 @@ pub struct Candidate {
     pub stable_step: f64,
     /// Amplitude reflection coefficients of P and SV waves at normal incidence on the nearest face, at the mean
     /// frequency of the motion, by the closed form.
-    pub returned: [f64; 2],
+    pub reflected: [f64; 2],
 }
 
 /// Predicted error with the absorbing faces moved outwards.
@@ -105,7 +105,7 @@ pub struct BoundaryAdvice {
     /// Title of the scene.
     pub title: String,
     /// Input of the prediction: ground, scatterer, distances and excitation.
-    pub setting: Setting,
+    pub problem: BoundaryProblem,
     /// Permitted relative error, above 0 and at most 1.
     pub error: f64,
     /// All compared boundaries, the best first: those that meet the permitted error by cost and then by error, then
@@ -121,13 +121,13 @@ pub struct BoundaryAdvice {
     /// Names of the bottom faces.
     bottom: Vec<String>,
     faces: Vec<String>,
-    standing: Standing,
+    surroundings: Surroundings,
 }
 
 impl BoundaryAdvice {
     /// The recommended boundary: the cheapest whose predicted error is at most the permitted one.
     #[must_use]
-    pub fn named(&self) -> Option<&Candidate> {
+    pub fn recommended(&self) -> Option<&Candidate> {
         let first = self.candidates.first();
         first.filter(|first| first.predicted <= self.error)
     }
@@ -137,7 +137,7 @@ impl BoundaryAdvice {
     /// # Errors
     /// A face at the scatterer itself, where the distance is zero.
     pub fn condition(&self, kind: BoundaryKind) -> Result<Arc<dyn AbsorbingBoundary>, StudyError> {
-        let condition = kind.condition(&self.standing, &self.bottom);
+        let condition = kind.condition(&self.surroundings, &self.bottom);
         Ok(condition.map_err(Error::from)?)
     }
 }
@@ -150,31 +150,31 @@ impl BoundaryAdvice {
 /// waves ([`Scene::plane_waves`]); faces too near to the scatterer for the substitute model.
 pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
-    let setting = Setting::of(scene)?;
+    let problem = BoundaryProblem::of(scene)?;
     let faces = scene
         .absorbing_boundary()
         .map_or(Vec::new(), |b| b.faces.clone());
     let bottom = bottom_faces(scene)?;
     let kinds: Vec<BoundaryKind> = (BoundaryKind::ALL.into_iter())
-        .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&setting, &bottom))
+        .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&problem, &bottom))
         // A static load would make a body on dashpots drift.
-        .filter(|kind| kind.holds() || !scene.is_loaded_for_good())
+        .filter(|kind| kind.resists_static_loads() || !scene.is_loaded_for_good())
         .collect();
-    let found = predictions(&setting, 1.0, &kinds)?;
-    let distances = setting.least_distances();
-    let standing = Standing {
-        medium: setting.medium,
-        spreading: setting.spreading,
+    let found = predictions(&problem, 1.0, &kinds)?;
+    let distances = problem.least_distances();
+    let surroundings = Surroundings {
+        medium: problem.medium,
+        spreading: problem.spreading,
         distances,
     };
     let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
-    let mean = match &setting.drive {
-        Drive::Waves { band, .. } => band.mean(),
-        Drive::Loads { .. } => found.highest,
+    let mean = match &problem.excitation {
+        Excitation::Waves { band, .. } => band.mean(),
+        Excitation::Loads { .. } => found.highest,
     };
-    let nanoseconds = NODE_NANOSECONDS + input_nanoseconds(&setting);
-    let nodes = setting.absorbing_nodes as f64;
-    let share_of_step = nodes * nanoseconds / (setting.elements as f64 * ELEMENT_NANOSECONDS);
+    let nanoseconds = NODE_NANOSECONDS + input_nanoseconds(&problem);
+    let nodes = problem.absorbing_nodes as f64;
+    let share_of_step = nodes * nanoseconds / (problem.elements as f64 * ELEMENT_NANOSECONDS);
     let mut candidates = Vec::with_capacity(kinds.len());
     for (kind, predicted) in kinds.iter().zip(&found.errors) {
         candidates.push(Candidate {
@@ -184,8 +184,8 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
             share_of_step,
             extra_elements: 0,
             stable_step: 1.0,
-            returned: kind
-                .returned(&standing, nearest, mean)
+            reflected: kind
+                .reflected(&surroundings, nearest, mean)
                 .map_err(Error::from)?,
         });
     }
@@ -199,10 +199,10 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
         highest: found.highest,
         bottom,
         faces,
-        standing,
-        setting,
+        surroundings,
+        problem,
     };
-    if advice.named().is_none() {
+    if advice.recommended().is_none() {
         advice.farther = farther(&advice)?;
     }
     Ok(advice)
@@ -232,30 +232,30 @@ struct Predictions {
 
 /// Predicts the errors of boundaries with the distances of all faces multiplied by `farther`.
 fn predictions(
-    setting: &Setting,
+    problem: &BoundaryProblem,
     farther: f64,
     kinds: &[BoundaryKind],
 ) -> Result<Predictions, StudyError> {
-    let Some(radius) = setting.radius else {
+    let Some(radius) = problem.radius else {
         // Without a scatterer the body moves as the free field does, and no wave reaches the faces from within.
         return Ok(Predictions {
             errors: vec![0.0; kinds.len()],
             model: None,
-            highest: setting.medium.s_speed() / setting.least_distances()[0],
+            highest: problem.medium.s_speed() / problem.least_distances()[0],
         });
     };
     // Shear waves as long as the radius of the scatterer.
-    let of_radius = setting.medium.s_speed() / radius;
-    match &setting.drive {
-        Drive::Loads { duration } => {
-            let (errors, model) = match setting.spreading {
-                Spreading::Spherical => Shell::of(setting, farther, *duration)?.errors(kinds)?,
+    let of_radius = problem.medium.s_speed() / radius;
+    match &problem.excitation {
+        Excitation::Loads { duration } => {
+            let (errors, model) = match problem.spreading {
+                Spreading::Spherical => Shell::of(problem, farther, *duration)?.errors(kinds)?,
                 Spreading::Cylindrical => {
                     let band = Band {
                         lines: Vec::new(),
                         highest: of_radius,
                     };
-                    Opening::of(setting, farther, &band)?.errors(Mover::Pressure, kinds)?
+                    Opening::of(problem, farther, &band)?.errors(Mover::Pressure, kinds)?
                 }
             };
             Ok(Predictions {
@@ -264,8 +264,8 @@ fn predictions(
                 highest: of_radius,
             })
         }
-        Drive::Waves { waves, band } => {
-            let opening = Opening::of(setting, farther, band)?;
+        Excitation::Waves { waves, band } => {
+            let opening = Opening::of(problem, farther, band)?;
             let mut worst = vec![0.0_f64; kinds.len()];
             let mut model = None;
             for wave in waves {
@@ -290,11 +290,11 @@ fn predictions(
 /// # Errors
 /// Faces too near to the scatterer for the substitute model.
 pub(crate) fn predicted_error(
-    setting: &Setting,
+    problem: &BoundaryProblem,
     farther: f64,
     kind: BoundaryKind,
 ) -> Result<f64, StudyError> {
-    Ok(predictions(setting, farther, &[kind])?.errors[0])
+    Ok(predictions(problem, farther, &[kind])?.errors[0])
 }
 
 /// The least of the tried distances at which the best boundary meets the permitted error.
@@ -303,7 +303,7 @@ fn farther(advice: &BoundaryAdvice) -> Result<Option<FartherFaces>, StudyError> 
         return Ok(None);
     };
     for times in FARTHER {
-        let found = predictions(&advice.setting, times, &[best.kind])?;
+        let found = predictions(&advice.problem, times, &[best.kind])?;
         if found.errors[0] <= advice.error {
             return Ok(Some(FartherFaces {
                 kind: best.kind,
@@ -316,24 +316,26 @@ fn farther(advice: &BoundaryAdvice) -> Result<Option<FartherFaces>, StudyError> 
 }
 
 /// Time (ns) of the input of the incident waves per node and step.
-fn input_nanoseconds(setting: &Setting) -> f64 {
-    let Drive::Waves { waves, .. } = &setting.drive else {
+fn input_nanoseconds(problem: &BoundaryProblem) -> f64 {
+    let Excitation::Waves { waves, .. } = &problem.excitation else {
         return 0.0;
     };
     let of_wave = |wave: &ArrivingWave| {
-        let ratio = setting.medium.p_speed() * wave.incidence.radians().sin();
+        let ratio = problem.medium.p_speed() * wave.incidence.radians().sin();
         let is_past =
-            wave.kind == powerhouse::wavefield::WaveKind::SV && ratio > setting.medium.s_speed();
+            wave.kind == powerhouse::wavefield::WaveKind::SV && ratio > problem.medium.s_speed();
         WAVE_NANOSECONDS[usize::from(is_past)]
     };
     waves.iter().map(of_wave).sum()
 }
 
 /// Whether waves reflected by the surface arrive at a bottom face, so that its input mode matters.
-fn has_reflections(setting: &Setting, bottom: &[String]) -> bool {
-    match &setting.drive {
-        Drive::Waves { waves, .. } => !bottom.is_empty() && waves.iter().all(|w| !w.full_space),
-        Drive::Loads { .. } => false,
+fn has_reflections(problem: &BoundaryProblem, bottom: &[String]) -> bool {
+    match &problem.excitation {
+        Excitation::Waves { waves, .. } => {
+            !bottom.is_empty() && waves.iter().all(|w| !w.full_space)
+        }
+        Excitation::Loads { .. } => false,
     }
 }
 

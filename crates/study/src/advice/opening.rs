@@ -18,8 +18,8 @@ use powerhouse::{
 };
 
 use super::band::Band;
-use super::candidate::{BoundaryKind, Standing};
-use super::setting::{ArrivingWave, Setting};
+use super::candidate::{BoundaryKind, Surroundings};
+use super::setting::{ArrivingWave, BoundaryProblem};
 use crate::{OpeningSlice, StudyError, grown, largest_error, probe_errors};
 
 /// Elements per shear wavelength at the highest frequency.
@@ -40,7 +40,7 @@ const SURFACE: [f64; 3] = [-1.5, 0.0, 1.5];
 
 /// Excitation of the substitute model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Mover {
+pub(super) enum Source {
     /// A plane wave whose pulse excites all frequencies of the band.
     Wave(ArrivingWave),
     /// A pressure step in the opening.
@@ -48,7 +48,7 @@ pub(super) enum Mover {
 }
 
 /// The plane wave of a run, if there is one, with start and end of the run (s).
-struct Motive {
+struct WaveWindow {
     wave: Option<PlaneWave>,
     window: [f64; 2],
 }
@@ -60,7 +60,7 @@ struct Motive {
 /// scatters more than an opening: the reflections from the faces exceed those in the scene.
 pub(super) struct Opening {
     slice: OpeningSlice,
-    standing: Standing,
+    surroundings: Surroundings,
     /// Whether the top absorbs: in a full space.
     absorbing_top: bool,
     band: Band,
@@ -69,15 +69,19 @@ pub(super) struct Opening {
 impl Opening {
     /// The substitute model of a scene with the distances of the faces multiplied by `farther`, for waves of a
     /// frequency band.
-    pub(super) fn of(setting: &Setting, farther: f64, band: &Band) -> Result<Self, StudyError> {
-        let radius = setting.radius.ok_or(StudyError::NoBoundary)?;
-        let half_width = setting.half_width().ok_or(StudyError::NoBoundary)? * farther;
-        let below = setting.distances[2][0].map_or(half_width, |distance| farther * distance);
-        let above = setting.distances[2][1].map_or(0.0, |distance| farther * distance);
-        let depth = setting.depth.unwrap_or(above).max(1.05 * radius);
+    pub(super) fn of(
+        problem: &BoundaryProblem,
+        farther: f64,
+        band: &Band,
+    ) -> Result<Self, StudyError> {
+        let radius = problem.radius.ok_or(StudyError::NoBoundary)?;
+        let half_width = problem.half_width().ok_or(StudyError::NoBoundary)? * farther;
+        let below = problem.distances[2][0].map_or(half_width, |distance| farther * distance);
+        let above = problem.distances[2][1].map_or(0.0, |distance| farther * distance);
+        let depth = problem.depth.unwrap_or(above).max(1.05 * radius);
         let height = depth + below;
         // As few elements as waves and opening need, and at most MOST_BRICKS.
-        let s_speed = setting.medium.s_speed();
+        let s_speed = problem.medium.s_speed();
         let wanted = s_speed / (PER_WAVELENGTH * band.highest);
         let brick = wanted.max((2.0 * half_width * height / MOST_BRICKS).sqrt());
         let fine = brick.clamp(radius / PER_RADIUS[1], radius / PER_RADIUS[0]);
@@ -95,8 +99,8 @@ impl Opening {
                 least: square + fine,
             });
         }
-        let standing = Standing {
-            medium: setting.medium,
+        let surroundings = Surroundings {
+            medium: problem.medium,
             spreading: Spreading::Cylindrical,
             distances: [
                 half_width,
@@ -115,7 +119,7 @@ impl Opening {
         };
         Ok(Self {
             slice,
-            standing,
+            surroundings,
             absorbing_top: above > 0.0,
             band: band.up_to(s_speed / (PER_WAVELENGTH * brick)),
         })
@@ -133,23 +137,23 @@ impl Opening {
     }
 
     /// Time (s) from the arrival of the pulse at the opening until its reflections from the faces have passed.
-    fn lasting(&self) -> f64 {
+    fn duration(&self) -> f64 {
         let slice = &self.slice;
         let farthest = slice.half_width.max(slice.height - slice.depth);
         let way = 2.0 * farthest + slice.depth;
-        self.pulse() + RETURNS * way / self.standing.medium.s_speed()
+        self.pulse() + RETURNS * way / self.surroundings.medium.s_speed()
     }
 
     /// The wave and the time window of a run, which starts from rest before the wave arrives.
-    fn motion(&self, mover: Mover) -> Result<Motive, StudyError> {
-        let Mover::Wave(wave) = mover else {
-            return Ok(Motive {
+    fn motion(&self, source: Source) -> Result<WaveWindow, StudyError> {
+        let Source::Wave(wave) = source else {
+            return Ok(WaveWindow {
                 wave: None,
-                window: [0.0, self.lasting()],
+                window: [0.0, self.duration()],
             });
         };
         let slice = &self.slice;
-        let medium = self.standing.medium;
+        let medium = self.surroundings.medium;
         let centre = Vec3::new(0.0, 0.0, -slice.depth);
         let mut parameters = PlaneWaveParameters::vertical(wave.kind, medium, 0.0);
         parameters.incidence = wave.incidence;
@@ -167,16 +171,16 @@ impl Opening {
             .iter()
             .map(|corner| (corner - centre).dot(&slowness));
         let start = arrivals.fold(f64::INFINITY, f64::min);
-        let end = self.lasting();
+        let end = self.duration();
         if wave.is_causal() {
-            return Ok(Motive {
+            return Ok(WaveWindow {
                 wave: Some(wave),
                 window: [start, end],
             });
         }
         let limits = QuietStartLimits::default();
         let (wave, quiet) = wave.with_quiet_start(&corners, start, &limits)?;
-        Ok(Motive {
+        Ok(WaveWindow {
             wave: Some(wave),
             window: [start, end + quiet.padding],
         })
@@ -193,8 +197,8 @@ impl Opening {
     /// The mesh of the slice, and the same extended so far that no reflection returns within the run.
     fn meshes(&self) -> Result<[Mesh; 2], StudyError> {
         let mesh = self.slice.mesh()?;
-        let beyond = 0.5 * self.standing.medium.p_speed() * self.lasting();
-        let longest = self.standing.medium.s_speed() / (PER_WAVELENGTH * self.band.highest);
+        let beyond = 0.5 * self.surroundings.medium.p_speed() * self.duration();
+        let longest = self.surroundings.medium.s_speed() / (PER_WAVELENGTH * self.band.highest);
         let mut wide = mesh.clone();
         for face in self.faces() {
             let first = match face.as_str() {
@@ -211,13 +215,13 @@ impl Opening {
     /// velocity, under a pressure that of displacement; with the numbers of elements of both meshes.
     pub(super) fn errors(
         &self,
-        mover: Mover,
+        source: Source,
         kinds: &[BoundaryKind],
     ) -> Result<(Vec<f64>, [usize; 2]), StudyError> {
         let [mesh, wide] = self.meshes()?;
         let counts = [mesh.element_count(), wide.element_count()];
-        let motive = self.motion(mover)?;
-        let duration = motive.window[1] - motive.window[0];
+        let input = self.motion(source)?;
+        let duration = input.window[1] - input.window[0];
         let default = Arc::new(ViscousSpring {
             spreading: Spreading::Cylindrical,
             ..ViscousSpring::default()
@@ -227,29 +231,29 @@ impl Opening {
             boundary.scatterer = Some(Vec3::new(0.0, 0.0, -self.slice.depth));
             boundary
         };
-        let small = self.scene(mesh.clone(), boundary(default.clone()), &motive)?;
+        let small = self.scene(mesh.clone(), boundary(default.clone()), &input)?;
         let stable = STEP_SHARE * small.prepare()?.stable_step()?.step;
         let step = duration / (duration / stable).ceil();
         let run = |mesh: Mesh, boundary: Boundary| {
-            let scene = self.scene(mesh, boundary, &motive)?;
+            let scene = self.scene(mesh, boundary, &input)?;
             let results = scene.step(TimeStep::Seconds(step)).prepare()?;
             Ok::<_, StudyError>(results.run(RunHooks::default())?.histories)
         };
         // The field enters both meshes at the same location: through the faces of the small one, and through the
         // elements behind them.
         let mut around = boundary(default);
-        if motive.wave.is_some() {
+        if input.wave.is_some() {
             around = around.entering_around((0..counts[0] as u32).collect());
         }
         let reference = run(wide, around)?;
         let of_kind = |kind: &BoundaryKind| {
             let condition = kind
-                .condition(&self.standing, &["bottom".into()])
+                .condition(&self.surroundings, &["bottom".into()])
                 .map_err(Error::from)?;
             let found = run(mesh.clone(), boundary(condition))?;
-            match mover {
-                Mover::Pressure => Ok(largest_error(&probe_errors(&found, &reference)?)),
-                Mover::Wave(_) => self.weighted_error(&found, &reference),
+            match source {
+                Source::Pressure => Ok(largest_error(&probe_errors(&found, &reference)?)),
+                Source::Wave(_) => self.weighted_error(&found, &reference),
             }
         };
         let errors = kinds
@@ -259,7 +263,12 @@ impl Opening {
         Ok((errors, counts))
     }
 
-    fn scene(&self, mesh: Mesh, boundary: Boundary, motive: &Motive) -> Result<Scene, StudyError> {
+    fn scene(
+        &self,
+        mesh: Mesh,
+        boundary: Boundary,
+        input: &WaveWindow,
+    ) -> Result<Scene, StudyError> {
         let slice = &self.slice;
         let facets =
             |face: &str| -> Result<Vec<_>, StudyError> { Ok(mesh.facet_set(face)?.to_vec()) };
@@ -272,7 +281,7 @@ impl Opening {
         };
         let wanted = Motion {
             displacement: true,
-            velocity: motive.wave.is_some(),
+            velocity: input.wave.is_some(),
             acceleration: false,
         };
         for degrees in WALL {
@@ -287,8 +296,8 @@ impl Opening {
                 output = output.history(&format!("surface {radii}"), point, wanted);
             }
         }
-        let rock = Material::from(LinearElastic::new(self.standing.medium));
-        let [start, end] = motive.window;
+        let rock = Material::from(LinearElastic::new(self.surroundings.medium));
+        let [start, end] = input.window;
         let mut scene = Scene::new("opening", mesh)
             .part(Part::new("rock", rock))
             .boundary(boundary)
@@ -297,7 +306,7 @@ impl Opening {
             .output(output)
             .allow_magnitudes();
         let is_antiplane = |wave: &PlaneWave| wave.parameters().kind == WaveKind::SH;
-        if motive.wave.as_ref().is_some_and(is_antiplane) {
+        if input.wave.as_ref().is_some_and(is_antiplane) {
             let all: Vec<u32> = (0..scene.mesh().node_count() as u32).collect();
             scene = scene
                 .support(Support::roller(all.clone(), Vec3::x()))
@@ -305,7 +314,7 @@ impl Opening {
         } else {
             scene = scene.support(Support::roller(cuts, Vec3::y()));
         }
-        if let Some(wave) = &motive.wave {
+        if let Some(wave) = &input.wave {
             return Ok(scene.field(wave.clone()).start(start, InitialMotion::Rest));
         }
         let rise = 0.5 * self.pulse();

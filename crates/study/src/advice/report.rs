@@ -4,17 +4,17 @@ use core::fmt;
 
 use powerhouse::boundary::Spreading;
 
-use super::{BoundaryAdvice, Drive};
+use super::{BoundaryAdvice, Excitation};
 
 impl BoundaryAdvice {
     /// The `[boundary]` table of a scene for the recommended boundary; `None` if none meets the permitted error.
     #[must_use]
     pub fn table(&self) -> Option<String> {
-        let named = self.named()?;
+        let named = self.recommended()?;
         let mut table = String::from("[boundary]\n");
-        table.push_str(&named.kind.keys(&self.standing, &self.bottom));
+        table.push_str(&named.kind.keys(&self.surroundings, &self.bottom));
         table.push_str(&format!("faces = {:?}\n", self.faces));
-        let [x, y, z] = self.setting.centre.into();
+        let [x, y, z] = self.problem.centre.into();
         table.push_str(&format!("scatterer = [{x}, {y}, {z}]\n"));
         Some(table)
     }
@@ -22,12 +22,12 @@ impl BoundaryAdvice {
     /// One sentence with the reason why the recommended boundary is recommended, or why none is.
     #[must_use]
     pub fn reason(&self) -> String {
-        if self.setting.radius.is_none() {
+        if self.problem.radius.is_none() {
             return "the scene has no scatterer: the body moves as the free field does, and any boundary is exact"
                 .into();
         }
         let limit = 100.0 * self.error;
-        let Some(named) = self.named() else {
+        let Some(named) = self.recommended() else {
             let best = self.candidates.first();
             let least = best.map_or(f64::NAN, |best| 100.0 * best.predicted);
             let farther = match &self.farther {
@@ -48,8 +48,8 @@ impl BoundaryAdvice {
             0 => "all others meet it too, with larger errors at equal cost".to_owned(),
             count => format!("{count} of the others exceed it"),
         };
-        let [p, sv] = named.returned.map(|share| 100.0 * share);
-        let holds = match named.kind.holds() {
+        let [p, sv] = named.reflected.map(|share| 100.0 * share);
+        let holds = match named.kind.resists_static_loads() {
             true => "resists static loads",
             false => "does not resist static loads",
         };
@@ -61,17 +61,17 @@ impl BoundaryAdvice {
 
 impl fmt::Display for BoundaryAdvice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let setting = &self.setting;
+        let problem = &self.problem;
         writeln!(f, "{}", self.title)?;
-        let medium = &setting.medium;
+        let medium = &problem.medium;
         writeln!(
             f,
             "  ground: P {:.0} m/s, S {:.0} m/s",
             medium.p_speed(),
             medium.s_speed()
         )?;
-        let [x, y, z] = setting.centre.into();
-        match setting.radius {
+        let [x, y, z] = problem.centre.into();
+        match problem.radius {
             Some(radius) => writeln!(
                 f,
                 "  scatterer: within {radius:.1} m of ({x:.1}, {y:.1}, {z:.1}) m"
@@ -79,7 +79,7 @@ impl fmt::Display for BoundaryAdvice {
             None => writeln!(f, "  no scatterer")?,
         }
         let faces = [('x', 0), ('y', 1), ('z', 2)].map(|(axis, index)| {
-            let distances = setting.distances[index];
+            let distances = problem.distances[index];
             let texts = distances.map(|d| d.map_or("-".to_owned(), |d| format!("{d:.1}")));
             format!("{axis} {} {}", texts[0], texts[1])
         });
@@ -88,8 +88,8 @@ impl fmt::Display for BoundaryAdvice {
             "  distances from its centre to the faces (m): {}",
             faces.join(", ")
         )?;
-        match &setting.drive {
-            Drive::Waves { waves, band } => {
+        match &problem.excitation {
+            Excitation::Waves { waves, band } => {
                 for wave in waves {
                     let degrees = wave.incidence.degrees();
                     writeln!(f, "  {} wave at {degrees:.1} degrees", wave.kind)?;
@@ -101,13 +101,13 @@ impl fmt::Display for BoundaryAdvice {
                     band.mean()
                 )?;
             }
-            Drive::Loads { duration } => {
+            Excitation::Loads { duration } => {
                 writeln!(f, "  loads over {duration} s, replaced by a pressure step")?;
             }
         }
         if let Some([small, large]) = self.model {
-            let model = match (&setting.drive, setting.spreading) {
-                (Drive::Loads { .. }, Spreading::Spherical) => "a spherical cavity",
+            let model = match (&problem.excitation, problem.spreading) {
+                (Excitation::Loads { .. }, Spreading::Spherical) => "a spherical cavity",
                 _ => "a circular opening in plane strain",
             };
             writeln!(
@@ -139,7 +139,7 @@ impl fmt::Display for BoundaryAdvice {
             )?;
         }
         writeln!(f, "\n{}", self.reason())?;
-        match (self.named(), self.table()) {
+        match (self.recommended(), self.table()) {
             (Some(named), Some(table)) => {
                 write!(f, "recommended: {}\n\n{table}", named.kind.name())
             }

@@ -6,7 +6,7 @@ use powerhouse::Scene;
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::model::{AbsorbingBoundary, BoundarySite, Facet, Mesh, ParameterError, Vec3};
 
-use super::{BoundaryKind, Setting, predicted_error};
+use super::{BoundaryKind, BoundaryProblem, predicted_error};
 use crate::StudyError;
 use crate::recorded::Recorded;
 
@@ -35,7 +35,7 @@ pub struct BoxAdvice {
     /// Permitted relative error.
     pub error: f64,
     /// Predicted relative error with the faces unchanged.
-    pub as_it_stands: f64,
+    pub unchanged: f64,
     /// Number of elements of the scene.
     pub elements: usize,
     /// The nearest faces that meet the permitted error; `None` if no nearer ones do.
@@ -67,7 +67,7 @@ impl fmt::Display for BoxAdvice {
             f,
             "  unchanged: {} elements, predicted error {:.2} % (permitted: {:.2} %)",
             self.elements,
-            per_cent(self.as_it_stands),
+            per_cent(self.unchanged),
             per_cent(self.error)
         )?;
         let Some(nearer) = &self.nearer else {
@@ -114,24 +114,24 @@ const DIGITS: f64 = 1e3;
 pub(crate) type Bounds = [Option<[f64; 2]>; 3];
 
 /// A scene's mesh with the nodes, elements and points that a reduced box must contain.
-pub(crate) struct Room<'a> {
+pub(crate) struct BoxReduction<'a> {
     scene: &'a Scene,
-    pub(crate) setting: Setting,
+    pub(crate) problem: BoundaryProblem,
     /// Nodes of the scatterer.
     scatterers: Vec<u32>,
     recorded: Recorded,
 }
 
-impl<'a> Room<'a> {
+impl<'a> BoxReduction<'a> {
     /// Collects what the box of a scene must contain.
     ///
     /// # Errors
-    /// As [`Setting::of`].
+    /// As [`BoundaryProblem::of`].
     pub(crate) fn of(scene: &'a Scene) -> Result<Self, StudyError> {
-        let (setting, scatterers) = Setting::with_scatterers(scene)?;
+        let (problem, scatterers) = BoundaryProblem::with_scatterers(scene)?;
         Ok(Self {
             scene,
-            setting,
+            problem,
             scatterers,
             recorded: Recorded::of(scene),
         })
@@ -149,7 +149,7 @@ impl<'a> Room<'a> {
     /// # Errors
     /// [`Obstacle`].
     pub(crate) fn at(&self, share: f64) -> Result<(Bounds, Vec<u32>), Obstacle> {
-        let within = box_at(self.scene, &self.setting, share);
+        let within = box_at(self.scene, &self.problem, share);
         let (low, high) = corners(&within);
         let inside =
             |position: &Vec3| (0..3).all(|i| low[i] <= position[i] && position[i] <= high[i]);
@@ -176,7 +176,7 @@ impl<'a> Room<'a> {
     /// Checks that the mesh within a box has plane absorbing faces where the scene has some, and that the scene's
     /// boundary can be built on them.
     fn accept(&self, (low, high): (&Vec3, &Vec3)) -> Result<(), Obstacle> {
-        let (scene, setting) = (self.scene, &self.setting);
+        let (scene, problem) = (self.scene, &self.problem);
         let faces = scene.absorbing_facets().unwrap_or_default();
         let cut = scene
             .mesh()
@@ -193,7 +193,7 @@ impl<'a> Room<'a> {
             }
             left.push((*face, facets));
         }
-        let site = BoundarySite::from_mesh(&cut, &left, |_| setting.medium, setting.centre, None);
+        let site = BoundarySite::from_mesh(&cut, &left, |_| problem.medium, problem.centre, None);
         let condition = scene.absorbing_boundary().map(|b| b.condition.build(&site));
         match condition {
             Some(Err(reason)) => Err(Obstacle::Refused {
@@ -252,11 +252,11 @@ fn flatness(mesh: &Mesh, facets: &[Facet]) -> f64 {
 }
 
 /// The box with the distances of the absorbing faces multiplied by `share`, rounded outwards.
-fn box_at(scene: &Scene, setting: &Setting, share: f64) -> Bounds {
+fn box_at(scene: &Scene, problem: &BoundaryProblem, share: f64) -> Bounds {
     let (least, greatest) = scene.mesh().bounding_box();
     [0, 1, 2].map(|axis| {
-        let [below, above] = setting.distances[axis];
-        let centre = setting.centre[axis];
+        let [below, above] = problem.distances[axis];
+        let centre = problem.centre[axis];
         let low = below.map_or(least[axis], |way| centre - share * way);
         let high = above.map_or(greatest[axis], |way| centre + share * way);
         let outwards = [(low * DIGITS).floor(), (high * DIGITS).ceil()];
@@ -290,23 +290,23 @@ fn corners(within: &Bounds) -> (Vec3, Vec3) {
 /// ```
 pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
-    let room = Room::of(scene)?;
-    let setting = &room.setting;
+    let reduction = BoxReduction::of(scene)?;
+    let problem = &reduction.problem;
     let boundary = scene.absorbing_boundary().ok_or(StudyError::NoBoundary)?;
     let kind = kind_of(boundary.condition.as_ref());
     let mut advice = BoxAdvice {
         title: scene.title().to_owned(),
         error,
-        as_it_stands: predicted_error(setting, 1.0, kind)?,
+        unchanged: predicted_error(problem, 1.0, kind)?,
         elements: scene.mesh().element_count(),
         nearer: None,
         obstacle: None,
     };
-    if advice.as_it_stands > error || setting.radius.is_none() {
+    if advice.unchanged > error || problem.radius.is_none() {
         return Ok(advice);
     }
     for share in SHARES {
-        let (within, elements) = match room.at(share) {
+        let (within, elements) = match reduction.at(share) {
             Ok(found) => found,
             Err(obstacle) => {
                 advice.obstacle = Some(obstacle);
@@ -314,11 +314,11 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
             }
         };
         // Faces too near for the substitute model.
-        let Ok(predicted) = predicted_error(setting, share, kind) else {
+        let Ok(predicted) = predicted_error(problem, share, kind) else {
             break;
         };
         // Reflections may cancel by chance: nearer faces are never taken to have a smaller error than farther ones.
-        let farther = (advice.nearer.as_ref()).map_or(advice.as_it_stands, |found| found.predicted);
+        let farther = (advice.nearer.as_ref()).map_or(advice.unchanged, |found| found.predicted);
         let predicted = if predicted < farther {
             farther
         } else {

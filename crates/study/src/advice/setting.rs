@@ -24,7 +24,7 @@ pub struct ArrivingWave {
 
 /// Excitation of a scene: incident waves or loads.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Drive {
+pub enum Excitation {
     /// Incident plane waves.
     Waves {
         /// The incident waves.
@@ -42,7 +42,7 @@ pub enum Drive {
 /// Input of the prediction of a boundary's error: ground, size and position of the scatterer, distances of the
 /// faces, and excitation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
+pub struct BoundaryProblem {
     /// Elastic medium behind the absorbing faces.
     pub medium: ElasticMedium,
     /// Centre of the scatterer (m).
@@ -64,10 +64,10 @@ pub struct Setting {
     /// Number of elements of the scene.
     pub elements: usize,
     /// Excitation: waves or loads.
-    pub drive: Drive,
+    pub excitation: Excitation,
 }
 
-impl Setting {
+impl BoundaryProblem {
     /// Takes the input of the prediction from a scene.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ impl Setting {
         nodes.sort_unstable();
         nodes.dedup();
         let absorbs = |axis: usize| distances[axis].iter().any(Option::is_some);
-        let drive = drive(scene)?;
+        let excitation = excitation(scene)?;
         if !absorbs(0) && !absorbs(1) {
             let faces = scene.absorbing_facets().map_err(Error::from)?;
             let faces = faces.iter().map(|(face, _)| (*face).to_owned());
@@ -121,7 +121,7 @@ impl Setting {
         let long = (0..2).find(|&axis| !absorbs(axis));
         let top = mesh.bounding_box().1.z;
         let scatterers = scatterers(scene)?;
-        let setting = Self {
+        let problem = Self {
             medium,
             centre,
             radius: radius(mesh, &scatterers, &centre, long),
@@ -133,9 +133,9 @@ impl Setting {
             },
             absorbing_nodes: nodes.len(),
             elements: mesh.element_count(),
-            drive,
+            excitation,
         };
-        Ok((setting, scatterers))
+        Ok((problem, scatterers))
     }
 
     /// Distance (m) from the centre to the nearest absorbing face normal to a horizontal axis.
@@ -214,7 +214,7 @@ fn radius(mesh: &Mesh, nodes: &[u32], centre: &Vec3, long: Option<usize>) -> Opt
 }
 
 /// The excitation of a scene.
-fn drive(scene: &Scene) -> Result<Drive, StudyError> {
+fn excitation(scene: &Scene) -> Result<Excitation, StudyError> {
     let waves = scene.incident_waves();
     if scene.incident_field().is_some() && waves.is_empty() {
         return Err(StudyError::UnknownField);
@@ -222,8 +222,8 @@ fn drive(scene: &Scene) -> Result<Drive, StudyError> {
     let duration = scene.run_duration();
     if waves.is_empty() {
         return match scene.is_driven() {
-            true => Ok(Drive::Loads { duration }),
-            false => Err(StudyError::Undriven),
+            true => Ok(Excitation::Loads { duration }),
+            false => Err(StudyError::NoExcitation),
         };
     }
     let arriving = waves.iter().map(|wave| {
@@ -234,7 +234,7 @@ fn drive(scene: &Scene) -> Result<Drive, StudyError> {
             full_space: parameters.site == Site::FullSpace,
         }
     });
-    Ok(Drive::Waves {
+    Ok(Excitation::Waves {
         waves: arriving.collect(),
         band: Band::of(scene)?,
     })

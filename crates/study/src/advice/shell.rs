@@ -12,8 +12,8 @@ use powerhouse::{
     Boundary, Error, Material, OutputPlan, Part, ResidualLimit, RunHooks, Scene, TimeStep,
 };
 
-use super::candidate::{BoundaryKind, Standing};
-use super::setting::Setting;
+use super::candidate::{BoundaryKind, Surroundings};
+use super::setting::BoundaryProblem;
 use crate::{ShellOctant, StudyError, largest_error, probe_errors};
 
 /// Elements along a side of a patch.
@@ -31,15 +31,19 @@ const STEP_SHARE: f64 = 0.95;
 pub(super) struct Shell {
     inner: f64,
     outer: f64,
-    standing: Standing,
+    surroundings: Surroundings,
     duration: f64,
 }
 
 impl Shell {
     /// The substitute model of a scene with the distances of the faces multiplied by `farther`, for a duration (s).
-    pub(super) fn of(setting: &Setting, farther: f64, duration: f64) -> Result<Self, StudyError> {
-        let inner = setting.radius.ok_or(StudyError::NoBoundary)?;
-        let distances = setting.least_distances();
+    pub(super) fn of(
+        problem: &BoundaryProblem,
+        farther: f64,
+        duration: f64,
+    ) -> Result<Self, StudyError> {
+        let inner = problem.radius.ok_or(StudyError::NoBoundary)?;
+        let distances = problem.least_distances();
         let outer = farther * distances.into_iter().fold(f64::INFINITY, f64::min);
         if outer < 1.2 * inner {
             return Err(StudyError::NearFace {
@@ -47,16 +51,16 @@ impl Shell {
                 least: 1.2 * inner,
             });
         }
-        let standing = Standing {
-            medium: setting.medium,
+        let surroundings = Surroundings {
+            medium: problem.medium,
             spreading: Spreading::Spherical,
             distances: [outer; 3],
         };
-        let longest = WAYS * outer / setting.medium.p_speed();
+        let longest = WAYS * outer / problem.medium.p_speed();
         Ok(Self {
             inner,
             outer,
-            standing,
+            surroundings,
             duration: duration.min(longest),
         })
     }
@@ -82,7 +86,7 @@ impl Shell {
         kinds: &[BoundaryKind],
     ) -> Result<(Vec<f64>, [usize; 2]), StudyError> {
         let mesh = self.octant(self.rings()).mesh()?;
-        let beyond = self.outer + 0.5 * self.standing.medium.p_speed() * self.duration;
+        let beyond = self.outer + 0.5 * self.surroundings.medium.p_speed() * self.duration;
         let share = (beyond / self.inner).ln() / (self.outer / self.inner).ln();
         let wide = self
             .octant((share * self.rings() as f64).ceil() as usize)
@@ -99,7 +103,9 @@ impl Shell {
         };
         let reference = run(wide, default)?;
         let of_kind = |kind: &BoundaryKind| {
-            let condition = kind.condition(&self.standing, &[]).map_err(Error::from)?;
+            let condition = kind
+                .condition(&self.surroundings, &[])
+                .map_err(Error::from)?;
             let found = run(mesh.clone(), condition)?;
             Ok(largest_error(&probe_errors(&found, &reference)?))
         };
@@ -124,7 +130,7 @@ impl Shell {
             let nodes = mesh.nodes_of_facets(mesh.facet_set(cut)?);
             supports.push(Support::roller(nodes, normal));
         }
-        let rise = RISE * self.inner / self.standing.medium.p_speed();
+        let rise = RISE * self.inner / self.surroundings.medium.p_speed();
         let history = move |time: f64| match time / rise {
             x if x < 1.0 => (FRAC_PI_2 * x).sin().powi(2),
             _ => 1.0,
@@ -141,7 +147,7 @@ impl Shell {
             Vec3::new(self.inner, 0.0, 0.0),
             Motion::DISPLACEMENT,
         );
-        let rock = Material::from(LinearElastic::new(self.standing.medium));
+        let rock = Material::from(LinearElastic::new(self.surroundings.medium));
         let scene = Scene::new("cavity", mesh)
             .part(Part::new("rock", rock))
             .boundary(Boundary::new(condition, ["outside"]).scatterer(Vec3::zeros()))

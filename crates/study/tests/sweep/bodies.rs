@@ -34,9 +34,13 @@ fn a_body_comes_back_from_its_file() {
 #[test]
 fn a_shared_body_moves_as_one_of_its_own() {
     let folder = Folder::new("shared");
-    let sweep = folder.sweep().lasting(0.02).unwrap();
+    let sweep = folder.sweep().with_duration(0.02).unwrap();
     let cases = ["steep", "slanted"].map(str::to_owned);
-    sweep.only(&cases).unwrap().run(None, &mut Silent).unwrap();
+    sweep
+        .only(&cases)
+        .unwrap()
+        .run(None, &mut NoProgress)
+        .unwrap();
     let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
     assert_eq!(scene.case(), Some("slanted"));
     let scene = scene.duration(0.02);

@@ -15,8 +15,8 @@ fn reported(folder: &Folder) -> Vec<String> {
 #[test]
 fn replaced_results_count_no_more() {
     let folder = Folder::new("replaced");
-    let sweep = || folder.sweep().lasting(0.01).unwrap();
-    sweep().run(None, &mut Silent).unwrap();
+    let sweep = || folder.sweep().with_duration(0.01).unwrap();
+    sweep().run(None, &mut NoProgress).unwrap();
     assert_eq!(reported(&folder), ["steep", "slanted", "continuous"]);
     // As `powerhouse run` does it, for less time.
     let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
@@ -46,15 +46,15 @@ fn replaced_results_count_no_more() {
 #[test]
 fn pending_cases_are_not_reported() {
     let folder = Folder::new("pending");
-    let short = folder.sweep().lasting(0.01).unwrap();
-    short.run(None, &mut Silent).unwrap();
+    let short = folder.sweep().with_duration(0.01).unwrap();
+    short.run(None, &mut NoProgress).unwrap();
     assert_eq!(reported(&folder).len(), 3);
-    let longer = steep(&folder).lasting(0.012).unwrap();
-    longer.run(None, &mut Silent).unwrap();
+    let longer = steep(&folder).with_duration(0.012).unwrap();
+    longer.run(None, &mut NoProgress).unwrap();
     assert_eq!(reported(&folder), ["steep"]);
     let stop = Arc::new(AtomicBool::new(true));
-    let all = folder.sweep().lasting(0.012).unwrap();
-    let stopped = all.run(Some(&stop), &mut Silent);
+    let all = folder.sweep().with_duration(0.012).unwrap();
+    let stopped = all.run(Some(&stop), &mut NoProgress);
     assert!(matches!(stopped, Err(StudyError::Interrupted)));
     assert_eq!(reported(&folder), ["steep"]);
 }
@@ -111,8 +111,8 @@ fn a_case_that_fails_keeps_what_it_recorded() {
 #[test]
 fn a_case_whose_files_are_gone_is_run_again() {
     let folder = Folder::new("gone");
-    let sweep = || folder.sweep().lasting(0.01).unwrap();
-    sweep().run(None, &mut Silent).unwrap();
+    let sweep = || folder.sweep().with_duration(0.01).unwrap();
+    sweep().run(None, &mut NoProgress).unwrap();
     let out = folder.0.join("out");
     assert_eq!(report_gaps(&out).unwrap(), Vec::<String>::new());
     std::fs::remove_file(out.join("slanted/histories.csv")).unwrap();
@@ -141,12 +141,12 @@ fn a_case_whose_files_are_gone_is_run_again() {
 fn a_sweep_is_refused_before_its_first_case() {
     let folder = Folder::new("refused");
     for duration in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
-        let refused = folder.sweep().lasting(duration).err().unwrap();
+        let refused = folder.sweep().with_duration(duration).err().unwrap();
         assert!(matches!(refused, StudyError::Parameter(_)), "{refused:?}");
     }
-    let sweep = folder.sweep().lasting(0.01).unwrap();
+    let sweep = folder.sweep().with_duration(0.01).unwrap();
     let lock = ResultFolder::new(folder.0.join("out")).lock().unwrap();
-    let refused = sweep.run(None, &mut Silent).unwrap_err().to_string();
+    let refused = sweep.run(None, &mut NoProgress).unwrap_err().to_string();
     assert!(refused.contains("another run (process "), "{refused}");
     assert!(!folder.0.join("out/steep").exists());
     drop(lock);
@@ -154,8 +154,8 @@ fn a_sweep_is_refused_before_its_first_case() {
     let lock = ResultFolder::new(folder.0.join("out/steep"))
         .lock()
         .unwrap();
-    let refused = steep(&folder).lasting(0.01).unwrap();
-    let refused = refused.run(None, &mut Silent).unwrap_err().to_string();
+    let refused = steep(&folder).with_duration(0.01).unwrap();
+    let refused = refused.run(None, &mut NoProgress).unwrap_err().to_string();
     assert!(refused.contains("out/steep: another run"), "{refused}");
     drop(lock);
 }

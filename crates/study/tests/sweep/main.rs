@@ -14,7 +14,7 @@ use std::time::Duration;
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{EquilibratedBody, Error, ResultFolder, RunHooks, RunNotes, Scene};
-use powerhouse_study::sweep::{CaseOutcome, Silent, Sweep, SweepWatch};
+use powerhouse_study::sweep::{CaseOutcome, NoProgress, Sweep, SweepWatch};
 use powerhouse_study::{
     StudyError, read_outcomes, registry, report_gaps, sensitivity, write_report,
 };

@@ -22,7 +22,7 @@ fn the_ground_alone_moves_as_the_waves() {
         .concat()
         .replace("duration = 0.05\n", "duration = 0.15\n");
     std::fs::write(folder.scene(), longer).unwrap();
-    let cases = folder.sweep().run(None, &mut Silent).unwrap();
+    let cases = folder.sweep().run(None, &mut NoProgress).unwrap();
     assert_eq!(cases.len(), 2);
     for case in &cases {
         let (moved, ground) = (&case.relative[0], &case.ground[0]);
@@ -49,8 +49,8 @@ fn a_report_needs_nothing_beside_it() {
                     boundary = { a = 0.5 }\n";
     let text = SCENE.replace(of_rock, concrete) + stronger;
     std::fs::write(folder.scene(), text).unwrap();
-    let sweep = folder.sweep().lasting(0.03).unwrap();
-    sweep.run(None, &mut Silent).unwrap();
+    let sweep = folder.sweep().with_duration(0.03).unwrap();
+    sweep.run(None, &mut NoProgress).unwrap();
     let page = |path: &Path| std::fs::read_to_string(write_report(path).unwrap()).unwrap();
     let sweep = page(&folder.0.join("out"));
     for wanted in [
@@ -140,9 +140,9 @@ fn a_sweep_of_ones_own_has_its_own_report() {
     let out = folder.0.join("out");
     folder
         .sweep()
-        .lasting(0.03)
+        .with_duration(0.03)
         .unwrap()
-        .run(None, &mut Silent)
+        .run(None, &mut NoProgress)
         .unwrap();
     let page = std::fs::read_to_string(write_report(&out).unwrap()).unwrap();
     for wanted in [

@@ -84,7 +84,7 @@ fn cases_run_side_by_side() {
     assert_eq!((count.ended.len(), count.at_rest.len()), (3, 2));
     let table = std::fs::read(folder.0.join("out/sweep.csv")).unwrap();
     let alone = Folder::new("one-by-one");
-    let apart = alone.sweep().run(None, &mut Silent).unwrap();
+    let apart = alone.sweep().run(None, &mut NoProgress).unwrap();
     let timeless = |outcomes: Vec<CaseOutcome>| -> Vec<CaseOutcome> {
         let with_time = |case| CaseOutcome {
             wall_time: 0.0,
@@ -220,7 +220,7 @@ fn a_case_on_request_waits_until_it_is_asked_for() {
 fn a_sweep_that_is_stopped_goes_on() {
     let folder = Folder::new("stopped");
     let stop = Arc::new(AtomicBool::new(true));
-    let stopped = folder.sweep().run(Some(&stop), &mut Silent);
+    let stopped = folder.sweep().run(Some(&stop), &mut NoProgress);
     assert!(matches!(stopped, Err(StudyError::Interrupted)));
     // Not with another scene, though.
     let sweep = folder.sweep();
@@ -229,11 +229,15 @@ fn a_sweep_that_is_stopped_goes_on() {
         SCENE.replace("lateral = 0.37", "lateral = 0.4"),
     )
     .unwrap();
-    let edited = sweep.run(None, &mut Silent);
+    let edited = sweep.run(None, &mut NoProgress);
     assert!(matches!(edited, Err(StudyError::Changed { .. })));
     std::fs::write(folder.scene(), SCENE).unwrap();
     let only = folder.sweep().only(&["steep".into()]).unwrap();
-    let done = only.lasting(0.01).unwrap().run(None, &mut Silent).unwrap();
+    let done = only
+        .with_duration(0.01)
+        .unwrap()
+        .run(None, &mut NoProgress)
+        .unwrap();
     let past = done[0].end - 0.01;
     assert!((0.0..=2.0 * done[0].step).contains(&past), "{past}");
 }
