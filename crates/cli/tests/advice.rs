@@ -19,8 +19,8 @@ fn advise(scene: &str, error: &str) -> Output {
         .unwrap()
 }
 
-/// Advice names a boundary with its table and status 0, or says why none is good enough with status 1;
-/// an error that is no share is refused.
+/// The advice recommends a boundary with its table and status 0, or states why none meets the permitted error with
+/// status 1; an invalid error is a usage error.
 #[test]
 fn advice_ends_with_a_table_or_a_reason() {
     let generous = advise("cavern_small.toml", "90%");
@@ -30,7 +30,7 @@ fn advice_ends_with_a_table_or_a_reason() {
         "Lined cavern under El Centro",
         "SV wave at 30.0 degrees",
         "predicted by a circular opening in plane strain",
-        "named: ",
+        "recommended: ",
         "\n[boundary]\nkind = \"visco",
         "faces = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]",
     ] {

@@ -20,8 +20,8 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The mesh of a bay is told and written for Gmsh and ParaView with a picture; one that cannot be is
-/// refused with its key and what is permitted.
+/// The mesh of a bay is reported and written for Gmsh and ParaView with a picture; an invalid bay is an error with its
+/// key and range.
 #[test]
 fn mesh_writes_a_bay() {
     let folder = std::env::temp_dir().join(format!("powerhouse-cli-mesh-{}", std::process::id()));
@@ -30,7 +30,7 @@ fn mesh_writes_a_bay() {
     std::fs::write(folder.join("bay.toml"), "size = \"coarse\"\n").unwrap();
     let made = powerhouse(&["mesh", &path("bay.toml"), "--out", &path("bay.msh")]);
     assert_eq!(made.status.code(), Some(0));
-    assert!(text(&made.stdout).contains("15840 of the file"));
+    assert!(text(&made.stdout).contains("15840 in the mesh"));
     for file in ["bay.msh", "bay.vtu", "bay.png"] {
         assert!(folder.join(file).exists(), "{file}");
     }
@@ -41,10 +41,10 @@ fn mesh_writes_a_bay() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// A scene without cases is no sweep, a case that is not there cannot be run, and a folder without
-/// results has no report: each is said in a line, with exit status 2.
+/// A sweep of a scene without cases, a missing case, and a report of a folder without results are errors in one line, with
+/// exit status 2.
 #[test]
-fn sweeps_and_reports_are_refused_in_a_line() {
+fn errors_of_sweeps_and_reports_have_one_line() {
     let scene = |name: &str| data("scenes").join(name).display().to_string();
     for (arguments, wanted) in [
         (
@@ -103,7 +103,7 @@ impl Scene {
     fn out(&self) -> String {
         self.folder.join("out").display().to_string()
     }
-    /// What stands in the folder of results.
+    /// The files in the folder of results.
     fn files(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.folder.join("out")).unwrap();
         let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -144,7 +144,7 @@ impl Drop for Scene {
     }
 }
 
-/// `run` checks the free field first, runs, writes its files and says what it found; status 0.
+/// `run` checks the free field first, runs, writes its files and prints its results; status 0.
 #[test]
 fn run_writes_results() {
     let scene = Scene::new("run", |scene| scene);
@@ -163,7 +163,7 @@ fn run_writes_results() {
     ] {
         assert!(told.contains(passage), "{passage}: {told}");
     }
-    // What is no energy of this scene has no line.
+    // An energy that is always zero has no line.
     assert!(told.contains("dashpots") && !told.contains("friction"));
     for file in [
         "summary.json",
@@ -175,7 +175,7 @@ fn run_writes_results() {
     }
 }
 
-/// A run that is asked to end, by Ctrl-C or by the system, leaves complete output; status 130.
+/// A run that is interrupted, by Ctrl-C or by the system, leaves complete output; status 130.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_leaves_complete_output() {
@@ -227,7 +227,7 @@ fn the_self_check_can_be_interrupted() {
     assert_eq!(scene.files(), Vec::<String>::new());
 }
 
-/// A folder that cannot be written to is refused before anything is computed; status 2.
+/// A folder that cannot be written to is an error before anything is computed; status 2.
 #[test]
 fn a_folder_that_cannot_be_written_to_is_refused_first() {
     let scene = Scene::new("folder", |scene| scene);
@@ -237,7 +237,7 @@ fn a_folder_that_cannot_be_written_to_is_refused_first() {
     assert!(!text(&output.stdout).contains("free field"));
 }
 
-/// A run that fails on its way says so and leaves what it had; status 2.
+/// A run that fails reports it and leaves its results until then; status 2.
 #[test]
 fn a_failed_run_leaves_what_it_had() {
     let scene = Scene::new("failed", |scene| {
@@ -255,7 +255,7 @@ fn a_failed_run_leaves_what_it_had() {
     }
 }
 
-/// A free field that errs by more than the scene permits stops the run before it starts; status 2.
+/// A free-field error above the limit of the scene prevents the run; status 2.
 #[test]
 fn run_refuses_a_coarse_free_field() {
     let scene = Scene::new("coarse", |scene| {
@@ -270,9 +270,9 @@ fn run_refuses_a_coarse_free_field() {
     assert!(text(&output.stdout).contains("relative error"));
 }
 
-/// `check` says what a run would be; status 1, since the coarse mesh cannot carry all of the record.
+/// `check` reports on a run; status 1, since the coarse mesh does not resolve the whole record.
 #[test]
-fn check_tells_by_its_status() {
+fn check_warns_by_its_status() {
     let scene = Scene::new("check", |scene| scene);
     let output = powerhouse(&["check", &scene.path()]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
@@ -297,7 +297,7 @@ fn check_tells_by_its_status() {
 }
 
 /// `check` lists joints with their law, pairs, area and worst mismatch, and how far they may slip; it
-/// warns where one runs into an absorbing face.
+/// warns where one meets an absorbing face.
 #[test]
 fn check_lists_joints() {
     let scene = Scene::of("cavern_joint.toml", "check-joint", |scene| scene);
@@ -311,10 +311,9 @@ fn check_lists_joints() {
     assert!(!told.contains("stand on absorbing faces"), "{told}");
 }
 
-/// `run` says what became of the joints and writes it; where they slipped too far for pairs that keep
-/// their nodes it warns.
+/// `run` prints and writes the results of the joints; it warns of slips that are too large for fixed node pairs.
 #[test]
-fn run_tells_what_became_of_joints() {
+fn run_reports_the_state_of_joints() {
     let scene = Scene::of("cavern_joint.toml", "run-joint", |scene| {
         scene
             .replace("self_check = 0.02", "")
@@ -352,9 +351,9 @@ fn run_tells_what_became_of_joints() {
     );
 }
 
-/// A fault of a scene goes to the error stream with its place, nothing is run; status 2.
+/// A fault of a scene is printed to the error stream with its position, nothing is run; status 2.
 #[test]
-fn a_fault_is_told_in_place() {
+fn a_fault_is_reported_with_its_position() {
     let scene = Scene::new("fault", |scene| {
         scene.replace("poisson = 0.27", "poison = 0.27")
     });
@@ -385,10 +384,10 @@ fn schema_is_printed() {
     assert!(schema.starts_with('{') && schema.contains("\"self_check\""));
 }
 
-/// `drive` leads a point of a scene's material along a path: the paper's concrete opens, closes and
-/// crushes; its table holds the law's history variables, and a fault of the path is shown at its place.
+/// `drive` runs a material test along a path: the paper's concrete opens, closes and crushes; the table contains the
+/// history variables of the law, and a fault of the path is reported with its position.
 #[test]
-fn drive_leads_a_point() {
+fn drive_tests_a_material() {
     let scene = Scene::new("drive", |scene| {
         scene.replace(
             "name = \"concrete\"\nlaw = \"elastic\"\nyoung = 25.0e9\npoisson = 0.17\ndensity = 2500\n",
@@ -512,7 +511,7 @@ bolts = ["roof"]
 [time]
 "#;
 
-/// `check` lists the stages of a scene, `run` goes through them, tells what they came to and writes it.
+/// `check` lists the stages of a scene; `run` computes them, prints and writes their results.
 #[test]
 fn stages_are_listed_and_run() {
     let scene = Scene::new("stages", |scene| {

@@ -1,4 +1,4 @@
-//! Folders of results: one run at a time, tried before the first step, not lost in silence.
+//! Result folders: one run at a time, tested before the first step, losses reported.
 
 mod block;
 
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use block::{Block, text};
 
-/// A block that runs until it is told to end, with snapshots on its way.
+/// A block that runs until it is interrupted, with snapshots.
 fn long(name: &str) -> Block {
     Block::new(name, |scene| {
         scene
@@ -44,8 +44,8 @@ fn signal(run: &std::process::Child, signal: &str) {
     );
 }
 
-/// A second run into the folder of another one is refused before its first step and names it; the first run
-/// is not disturbed. A run that was killed hinders nobody, and is named. Status 2 and 0.
+/// A second run into the folder of a running one is an error before its first step, which names it; the first run is not
+/// disturbed. A killed run does not prevent another, which names it. Status 2 and 0.
 #[cfg(unix)]
 #[test]
 fn a_folder_has_one_run() {
@@ -71,8 +71,8 @@ fn a_folder_has_one_run() {
     assert!(!block.out().join(".powerhouse-lock").exists());
 }
 
-/// A folder that is removed while a run goes on is an error, status 2, that says what may be missing; what
-/// the run still holds is written there anew, and the collection of snapshots names those that are there.
+/// A folder that is removed during a run is an error, status 2, that states what may be missing; the remaining results are
+/// written there anew, and the collection of snapshots lists the existing ones.
 #[cfg(unix)]
 #[test]
 fn a_folder_that_vanishes_is_an_error() {
@@ -105,11 +105,10 @@ fn a_folder_that_vanishes_is_an_error() {
     }
 }
 
-/// What the end of a run needs is tried before its first step: a folder in the way of a file, a path that is
-/// too long for the system, and files that have no room on the disk are refused at once, status 2, and
-/// nothing is left behind.
+/// Everything that the end of a run needs is tested before its first step: a folder with the name of a file, a path that is
+/// too long for the system, and files without space on the disk are errors at once, status 2, and leave no files.
 #[test]
-fn what_the_end_needs_is_tried_first() {
+fn writing_is_tested_before_the_first_step() {
     let block = Block::new("tried", |scene| scene);
     let refused = |block: &Block, wanted: &str| {
         let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
@@ -145,8 +144,8 @@ fn what_the_end_needs_is_tried_first() {
     }
 }
 
-/// Everything that a run warns of is in its summary and in its report; the summary says that it is completed
-/// when all files that it names are there, and a report that misses some says so, status 1.
+/// All warnings of a run are in its summary and in its report; the summary states that the run is completed when all its
+/// files exist, and a report with missing files warns, status 1.
 #[test]
 fn warnings_and_files_are_in_summary_and_report() {
     let block = Block::new("told", |scene| {
@@ -188,8 +187,7 @@ fn warnings_and_files_are_in_summary_and_report() {
     assert!(read("report.html").contains("histories.csv is gone"));
 }
 
-/// A peak that is no motion but rounding is shown as zero beside the others, in the terminal, and marked in the
-/// summary.
+/// A peak of rounding errors is printed as zero beside the others, and marked in the summary.
 #[test]
 fn rounding_is_no_peak() {
     let block = Block::new("rounding", |scene| scene);
@@ -215,9 +213,9 @@ fn rounding_is_no_peak() {
     );
 }
 
-/// Durations that are none are refused wherever they are given, before anything is read.
+/// Invalid durations are errors in every option, before anything is read.
 #[test]
-fn durations_are_refused() {
+fn invalid_durations_are_errors() {
     for duration in ["nan", "inf", "-1", "0", "ten"] {
         for arguments in [
             ["sweep", "none.toml", "--duration"],

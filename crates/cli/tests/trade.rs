@@ -38,11 +38,10 @@ impl Drop for Folder {
     }
 }
 
-/// A trade says what it offers and what it will cost, prints its front and writes the scene that it chose,
-/// which is one; nothing is run twice; a wish that no run grants ends with status 1, one that is none
-/// with status 2.
+/// A trade study prints its factors and its predicted cost, prints the Pareto front and writes a valid scene of the chosen
+/// run; nothing is run twice; a goal that no run meets ends with status 1, an invalid goal with status 2.
 #[test]
-fn trade_writes_the_scene_that_meets_a_wish() {
+fn trade_writes_the_scene_that_meets_a_goal() {
     let folder = Folder::new();
     let (scene, out) = (folder.path("scene.toml"), folder.path("out"));
     let trade = |wish: &[&str]| {
@@ -72,6 +71,6 @@ fn trade_writes_the_scene_that_meets_a_wish() {
     let again = trade(&["--error", "1e-9"]);
     assert_eq!(again.status.code(), Some(1), "{}", text(&again.stderr));
     let told = text(&again.stdout);
-    assert!(told.contains("finished before") && told.contains("no run meets what was asked for"));
+    assert!(told.contains("finished before") && told.contains("no run meets the goal"));
     assert_eq!(trade(&["--error", "-2%"]).status.code(), Some(2));
 }

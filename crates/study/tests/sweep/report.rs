@@ -1,11 +1,10 @@
-//! What cases are compared by, and the page of them.
+//! Outcomes of cases and their report.
 
 use super::*;
 
-/// What the ground alone does at the places of the relative displacements is what a body does that is
-/// ground all over.
+/// The relative displacements of the free field are those of a body that is ground everywhere.
 #[test]
-fn the_ground_alone_moves_as_the_waves() {
+fn the_free_field_is_that_of_homogeneous_ground() {
     let folder = Folder::new("ground");
     let place = |text: &str| SCENE.find(text).unwrap();
     let (joint, support) = (place("[[joint]]"), place("[[support]]"));
@@ -36,11 +35,10 @@ fn the_ground_alone_moves_as_the_waves() {
     }
 }
 
-/// A report is one page that needs nothing beside it: it names every case and carries its plots and the
-/// scene, forces of sections and bolts, spectra of floors, what damaged the structure, and what the cases
-/// say to the paper; that of a single run has its peaks; a folder without results has none.
+/// A report is one self-contained page with every case, its plots and scene, forces of sections and bolts, floor spectra,
+/// damage and the comparison with the paper; that of a single run has its peaks; a folder without results is an error.
 #[test]
-fn a_report_needs_nothing_beside_it() {
+fn a_report_is_self_contained() {
     let folder = Folder::new("report");
     let concrete = "[[material]]\nname = \"concrete\"\nlaw = \"plastic-damage\"\n\
                     preset = \"paper-c25\"\n[[part]]\nset = \"structure\"\nmaterial = \"concrete\"";
@@ -76,14 +74,14 @@ fn a_report_needs_nothing_beside_it() {
         "checksum of scene and files",
         // Joint and concrete have history variables.
         "it is unknown whether these motions repeat",
-        "steep (unknown whether it repeats: not for design)",
+        "steep (sensitivity to the input unknown: not for design)",
     ] {
         assert!(sweep.contains(wanted), "{wanted}");
     }
     let head = std::fs::read_to_string(folder.0.join("out/report/floor-spectra-steep.csv"));
     assert!(
         head.unwrap()
-            .starts_with("# warning: unknown whether it repeats")
+            .starts_with("# warning: sensitivity to the input unknown")
     );
     let spectra = read_table(&folder.0.join("out/report/floor-spectra-steep.csv")).unwrap();
     assert!(spectra.iter().any(|column| column.name == "O1 z 5 %"));
@@ -116,8 +114,8 @@ fn a_report_needs_nothing_beside_it() {
     );
 }
 
-/// A sweep of a scene with points of one's own has a report of its own names: peaks, histories drawn, pictures;
-/// nothing of the paper. What elastic ground without joints does is known to repeat.
+/// The report of a general sweep has its own points, with peaks, histories and pictures, and no comparison with the
+/// paper. Elastic ground without joints is insensitive to the input.
 #[test]
 fn a_sweep_of_ones_own_has_its_own_report() {
     let folder = Folder::new("own-report");
