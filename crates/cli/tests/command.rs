@@ -281,8 +281,8 @@ fn check_warns_by_its_status() {
         "7.97 Hz",
         "least scaled Jacobian",
         "steps, about",
-        "of memory",
-        "which is all that 'rock' carries",
+        " memory, at most ",
+        "the highest frequency that 'rock' resolves",
         "warning: the run ends at 1.000 s, before record 'el-centro-ns' at 20.000 s",
     ] {
         assert!(told.contains(passage), "{passage}: {told}");
@@ -303,12 +303,12 @@ fn check_lists_joints() {
     let scene = Scene::of("cavern_joint.toml", "check-joint", |scene| scene);
     let told = text(&powerhouse(&["check", &scene.path()]).stdout);
     for passage in [
-        "rock-lining      bonded-coulomb, 262 pairs on 7221.02 m2, nodes at most 0.00e0 m apart",
-        "edges from 1.500 m on: slip and opening are small up to about 0.150 m",
+        "rock-lining      bonded-coulomb, 262 node pairs on 7221.02 m2, paired nodes at most 0.00e0 m apart",
+        "shortest edge 1.500 m: slip and opening are small up to about 0.150 m",
     ] {
         assert!(told.contains(passage), "{passage}: {told}");
     }
-    assert!(!told.contains("stand on absorbing faces"), "{told}");
+    assert!(!told.contains("lie on absorbing faces"), "{told}");
 }
 
 /// `run` prints and writes the results of the joints; it warns of slips that are too large for fixed node pairs.
@@ -329,11 +329,11 @@ fn run_reports_the_state_of_joints() {
     for passage in [
         "\njoints\n  rock-lining ",
         "at-crown ",
-        " % slid from ",
+        " % slipped from ",
         " % opened from ",
         " s on, first at (",
-        "bond broken on 0.0 %, none ever on 100.0 %; friction ",
-        "pairs of 'rock-lining' that share nodes took ",
+        "bond broken on 0.0 %, never bonded on 100.0 %; friction ",
+        "pairs of 'rock-lining' with shared nodes took at most ",
         "friction ",
         "impact ",
         "warning: joint 'rock-lining' moved by ",

@@ -44,9 +44,9 @@ impl Drop for Folder {
 fn trade_writes_the_scene_that_meets_a_goal() {
     let folder = Folder::new();
     let (scene, out) = (folder.path("scene.toml"), folder.path("out"));
-    let trade = |wish: &[&str]| {
+    let trade = |goal: &[&str]| {
         let fixed = ["trade", &scene, "--window", "0.15", "--out", &out];
-        powerhouse(&[&fixed, wish].concat())
+        powerhouse(&[&fixed, goal].concat())
     };
     let done = trade(&["--budget", "100h"]);
     let (told, errors) = (text(&done.stdout), text(&done.stderr));
@@ -56,7 +56,7 @@ fn trade_writes_the_scene_that_meets_a_goal() {
         "precision: f64 | mixed | f32",
         "runs of 0.15 s",
         "run 1: reference",
-        "front, the cheapest first",
+        "Pareto front, the cheapest first",
         "chosen: reference",
         "trade.svg",
     ] {

@@ -258,7 +258,7 @@ fn without_a_scatterer_dashpots_suffice() {
             .iter()
             .all(|candidate| candidate.predicted == 0.0)
     );
-    assert!(advice.reason().contains("nothing scatters"));
+    assert!(advice.reason().contains("has no scatterer"));
     assert!(advice.table().unwrap().contains("kind = \"viscous\""));
     // Springs of 4 G/r stand in for a distance of (lambda + 2 G) r/(4 G (1 + A)).
     let kind = BoundaryKind::StaticSprings;
