@@ -54,7 +54,7 @@ use powerhouse::model::{AbsorbingBoundary, ParameterError};
 use powerhouse::{Error, Scene};
 
 use crate::StudyError;
-use opening::{Mover, Opening};
+use opening::{Opening, Source};
 use shell::Shell;
 
 /// Time (ns) of springs and dashpots per node and step (example `boundary_price`), and of the input of a wave with
@@ -255,7 +255,7 @@ fn predictions(
                         lines: Vec::new(),
                         highest: of_radius,
                     };
-                    Opening::of(problem, farther, &band)?.errors(Mover::Pressure, kinds)?
+                    Opening::of(problem, farther, &band)?.errors(Source::Pressure, kinds)?
                 }
             };
             Ok(Predictions {
@@ -269,7 +269,7 @@ fn predictions(
             let mut worst = vec![0.0_f64; kinds.len()];
             let mut model = None;
             for wave in waves {
-                let (errors, counts) = opening.errors(Mover::Wave(*wave), kinds)?;
+                let (errors, counts) = opening.errors(Source::Wave(*wave), kinds)?;
                 for (worst, error) in worst.iter_mut().zip(errors) {
                     // A NaN counts as the worst error.
                     *worst = if error <= *worst { *worst } else { error };

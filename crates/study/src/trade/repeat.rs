@@ -277,6 +277,6 @@ mod tests {
         assert_eq!(trade.perturbed_text().unwrap(), None);
         let (_folder, trade) = self::trade("all", YIELDING, None);
         assert!(trade.perturbed_text().unwrap().is_some());
-        assert_eq!(trade.with_every_history().nudged_text().unwrap(), None);
+        assert_eq!(trade.with_every_history().perturbed_text().unwrap(), None);
     }
 }
