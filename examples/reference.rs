@@ -47,9 +47,9 @@ impl ReferenceTable {
     /// # Errors
     /// If there is no such column, or something else in it.
     pub fn column(&self, name: &str) -> Outcome<Vec<f64>> {
-        let place = self.names.iter().position(|other| other == name);
-        /// The numbers of a column.(|| format!("no column '{name}'"))?;
-        let numbers = self.rows.iter().map(|row| row[place].parse());
+        let index = self.names.iter().position(|other| other == name);
+        let index = index.ok_or_else(|| format!("no column '{name}'"))?;
+        let numbers = self.rows.iter().map(|row| row[index].parse());
         Ok(numbers.collect::<Result<_, _>>()?)
     }
 }
