@@ -141,13 +141,13 @@ fn outcomes_as_in_the_paper_confirm_it() {
     assert_eq!(
         line,
         "conclusion.1.sv_stress_rises = confirmed (0: 0.100, 15: 0.200, 25: 0.400, 30: 0.600 MPa, mean of 2 \
-         points; so at 2 of them)"
+         points; the same trend at 2 of them)"
     );
     let moved = &of(&found, "p_oblique_displaces_more").figures;
     assert_eq!(
         moved,
-        "0: 3.00, 30: 9.00, 90: 1.50 mm, mean of 2 points; so at 2 of them; the ground alone 0: 4.00, 30: \
-         4.00, 90: 4.00"
+        "0: 3.00, 30: 9.00, 90: 1.50 mm, mean of 2 points; the same trend at 2 of them; free field 0: \
+         4.00, 30: 4.00, 90: 4.00"
     );
     let abstract_line = of(&found, "p_interaction_spares_damage").to_string();
     assert!(
@@ -308,7 +308,7 @@ fn missing_cases_are_named() {
         Verdict::Confirmed
     );
     let line = of(&found, "sv_stress_rises").to_string();
-    assert_eq!(line, "conclusion.1.sv_stress_rises = open, without SV 15");
+    assert_eq!(line, "conclusion.1.sv_stress_rises = open, missing SV 15");
 }
 
 /// A varied case is compared with the first unvaried case of the same waves, value by value; one of other waves is left

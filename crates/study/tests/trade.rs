@@ -373,7 +373,7 @@ fn all_combinations_of_some_factors_are_run() {
     assert!(
         refused
             .to_string()
-            .contains("no 'kernels' to choose, but kernel, step"),
+            .contains("no factor 'kernels'; available: kernel, step"),
         "{refused}"
     );
 }
