@@ -24,8 +24,8 @@ fn advise(scene: &str, error: &str) -> Output {
 #[test]
 fn advice_ends_with_a_table_or_a_reason() {
     let generous = advise("cavern_small.toml", "90%");
-    let told = String::from_utf8(generous.stdout).unwrap();
-    assert_eq!(generous.status.code(), Some(0), "{told}");
+    let printed = String::from_utf8(generous.stdout).unwrap();
+    assert_eq!(generous.status.code(), Some(0), "{printed}");
     for wanted in [
         "Lined cavern under El Centro",
         "SV wave at 30.0 degrees",
@@ -34,10 +34,10 @@ fn advice_ends_with_a_table_or_a_reason() {
         "\n[boundary]\nkind = \"visco",
         "faces = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]",
     ] {
-        assert!(told.contains(wanted), "{wanted}: {told}");
+        assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
     let refused = advise("cavern_small.toml", "five");
     assert_eq!(refused.status.code(), Some(2));
-    let said = String::from_utf8(refused.stderr).unwrap();
-    assert!(said.contains("a share above 0 and up to 1"), "{said}");
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert!(message.contains("a share above 0 and up to 1"), "{message}");
 }

@@ -120,21 +120,21 @@ impl Scene {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut told = String::new();
+        let mut printed = String::new();
         let mut lines = BufReader::new(run.stdout.take().unwrap()).lines();
-        while !told.contains("stable up to") {
-            told += &(lines.next().unwrap().unwrap() + "\n");
+        while !printed.contains("stable up to") {
+            printed += &(lines.next().unwrap().unwrap() + "\n");
         }
-        while !is_time(&told) && run.try_wait().unwrap().is_none() {
+        while !is_time(&printed) && run.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
         let mut kill = Command::new("kill");
         let killed = kill.args([signal, &run.id().to_string()]).status();
         assert!(killed.unwrap().success());
         for line in lines {
-            told += &(line.unwrap() + "\n");
+            printed += &(line.unwrap() + "\n");
         }
-        (run.wait_with_output().unwrap(), told)
+        (run.wait_with_output().unwrap(), printed)
     }
 }
 
@@ -149,7 +149,7 @@ impl Drop for Scene {
 fn run_writes_results() {
     let scene = Scene::new("run", |scene| scene);
     let output = powerhouse(&["run", &scene.path(), "--out", &scene.out()]);
-    let (told, errors) = (text(&output.stdout), text(&output.stderr));
+    let (printed, errors) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{errors}");
     for passage in [
         "free field without the structure",
@@ -161,10 +161,10 @@ fn run_writes_results() {
         "limited by",
         "summary.json",
     ] {
-        assert!(told.contains(passage), "{passage}: {told}");
+        assert!(printed.contains(passage), "{passage}: {printed}");
     }
     // An energy that is always zero has no line.
-    assert!(told.contains("dashpots") && !told.contains("friction"));
+    assert!(printed.contains("dashpots") && !printed.contains("friction"));
     for file in [
         "summary.json",
         "histories.csv",
@@ -187,10 +187,10 @@ fn an_interrupted_run_leaves_complete_output() {
                 .replace("every = 0.5", "every = 0.01")
         });
         let second = scene.folder.join("out/snapshots/snapshots_00001.vtu");
-        let (output, told) = scene.run_and_signal(signal, |_| second.exists());
+        let (output, printed) = scene.run_and_signal(signal, |_| second.exists());
         let errors = text(&output.stderr);
         assert_eq!(output.status.code(), Some(130), "{signal}: {errors}");
-        assert!(told.contains("interrupted: "), "{told}");
+        assert!(printed.contains("interrupted: "), "{printed}");
         let read = |file: &str| std::fs::read_to_string(scene.folder.join("out").join(file));
         assert!(read("summary.json").unwrap().contains("\"stopped\""));
         // Every snapshot of the collection is there, and the histories go as far.
@@ -221,9 +221,9 @@ fn the_self_check_can_be_interrupted() {
     let scene = Scene::new("self-check", |scene| {
         scene.replace("duration = 1.0 ", "duration = 20 ")
     });
-    let (output, told) = scene.run_and_signal("-INT", |_| true);
+    let (output, printed) = scene.run_and_signal("-INT", |_| true);
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
-    assert!(told.contains("nothing was run"), "{told}");
+    assert!(printed.contains("nothing was run"), "{printed}");
     assert_eq!(scene.files(), Vec::<String>::new());
 }
 
@@ -276,7 +276,7 @@ fn check_warns_by_its_status() {
     let scene = Scene::new("check", |scene| scene);
     let output = powerhouse(&["check", &scene.path()]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-    let told = text(&output.stdout);
+    let printed = text(&output.stdout);
     for passage in [
         "7.97 Hz",
         "least scaled Jacobian",
@@ -285,7 +285,7 @@ fn check_warns_by_its_status() {
         "the highest frequency that 'rock' resolves",
         "warning: the run ends at 1.000 s, before record 'el-centro-ns' at 20.000 s",
     ] {
-        assert!(told.contains(passage), "{passage}: {told}");
+        assert!(printed.contains(passage), "{passage}: {printed}");
     }
     let weak = Scene::new("weak", |scene| {
         scene
@@ -301,14 +301,14 @@ fn check_warns_by_its_status() {
 #[test]
 fn check_lists_joints() {
     let scene = Scene::of("cavern_joint.toml", "check-joint", |scene| scene);
-    let told = text(&powerhouse(&["check", &scene.path()]).stdout);
+    let printed = text(&powerhouse(&["check", &scene.path()]).stdout);
     for passage in [
         "rock-lining      bonded-coulomb, 262 node pairs on 7221.02 m2, paired nodes at most 0.00e0 m apart",
         "shortest edge 1.500 m: slip and opening are small up to about 0.150 m",
     ] {
-        assert!(told.contains(passage), "{passage}: {told}");
+        assert!(printed.contains(passage), "{passage}: {printed}");
     }
-    assert!(!told.contains("lie on absorbing faces"), "{told}");
+    assert!(!printed.contains("lie on absorbing faces"), "{printed}");
 }
 
 /// `run` prints and writes the results of the joints; it warns of slips that are too large for fixed node pairs.
@@ -325,7 +325,7 @@ fn run_reports_the_state_of_joints() {
     });
     let output = powerhouse(&["run", &scene.path(), "--out", &scene.out()]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let told = text(&output.stdout);
+    let printed = text(&output.stdout);
     for passage in [
         "\njoints\n  rock-lining ",
         "at-crown ",
@@ -340,7 +340,7 @@ fn run_reports_the_state_of_joints() {
         "joints.csv",
         "plots/joint-at-crown.svg",
     ] {
-        assert!(told.contains(passage), "{passage}: {told}");
+        assert!(printed.contains(passage), "{passage}: {printed}");
     }
     let file = |name: &str| std::fs::read_to_string(scene.folder.join("out").join(name)).unwrap();
     assert!(file("snapshots.pvd").contains("_rock-lining.vtu"));
@@ -411,7 +411,7 @@ fn drive_tests_a_material() {
     let cycle = "size = 0.5\n[[leg]]\nkind = \"cyclic\"\nstrains = [3e-4, -1e-3]\nsteps = 50\n\
                  [[leg]]\nkind = \"mixed\"\nzz = { strain = 0 }\nxx = { stress = -1e5 }\nyy = { stress = -1e5 }\n";
     let output = drive(cycle);
-    let (told, errors) = (text(&output.stdout), text(&output.stderr));
+    let (printed, errors) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{errors}");
     for passage in [
         "plastic-damage: 200 steps",
@@ -419,7 +419,7 @@ fn drive_tests_a_material() {
         "damage_type 3",
         "point.svg",
     ] {
-        assert!(told.contains(passage), "{passage}: {told}");
+        assert!(printed.contains(passage), "{passage}: {printed}");
     }
     let table = std::fs::read_to_string(scene.folder.join("out/point.csv")).unwrap();
     assert_eq!(table.lines().count(), 202);
@@ -463,11 +463,11 @@ fn drive_tests_a_material() {
         ),
     ] {
         let output = drive(wrong);
-        let told = text(&output.stderr);
+        let printed = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{wrong}");
         assert!(
-            told.contains(place) && told.contains(message),
-            "{wrong}: {told}"
+            printed.contains(place) && printed.contains(message),
+            "{wrong}: {printed}"
         );
     }
     // A width at which the concrete snaps back.
@@ -527,14 +527,14 @@ fn stages_are_listed_and_run() {
         assert!(check.contains(line), "{check}");
     }
     let run = powerhouse(&["run", &scene.path(), "--out", &scene.out()]);
-    let told = text(&run.stdout);
-    assert_eq!(run.status.code(), Some(0), "{told}{}", text(&run.stderr));
+    let printed = text(&run.stdout);
+    assert_eq!(run.status.code(), Some(0), "{printed}{}", text(&run.stderr));
     for passage in [
         "stage 1 of 2, 'cavern'",
         "stage 2 of 2, 'lining'",
         "bolts\n  roof",
     ] {
-        assert!(told.contains(passage), "{told}");
+        assert!(printed.contains(passage), "{printed}");
     }
     for file in ["1-cavern.vtu", "2-lining.vtu", "2-lining-roof.csv"] {
         assert!(

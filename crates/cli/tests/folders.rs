@@ -62,11 +62,11 @@ fn a_folder_has_one_run() {
     first.wait_with_output().unwrap();
     assert!(!block.out().join("summary.json").exists());
     let taken = run(&other, &block.out_text());
-    let told = text(&taken.stdout);
+    let printed = text(&taken.stdout);
     assert_eq!(taken.status.code(), Some(0), "{}", text(&taken.stderr));
     assert!(
-        told.contains("taken over from a run that ended without finishing (process"),
-        "{told}"
+        printed.contains("taken over from a run that ended without finishing (process"),
+        "{printed}"
     );
     assert!(!block.out().join(".powerhouse-lock").exists());
 }
@@ -112,10 +112,10 @@ fn writing_is_tested_before_the_first_step() {
     let block = Block::new("tried", |scene| scene);
     let refused = |block: &Block, wanted: &str| {
         let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
-        let (told, errors) = (text(&ended.stdout), text(&ended.stderr));
+        let (printed, errors) = (text(&ended.stdout), text(&ended.stderr));
         assert_eq!(ended.status.code(), Some(2), "{errors}");
         assert!(errors.contains(wanted), "{errors}");
-        assert!(!told.contains("completed"), "{told}");
+        assert!(!printed.contains("completed"), "{printed}");
     };
     std::fs::create_dir_all(block.out().join("histories.csv")).unwrap();
     refused(&block, "a folder stands where the run writes this file");
@@ -148,20 +148,20 @@ fn writing_is_tested_before_the_first_step() {
 /// files exist, and a report with missing files warns, status 1.
 #[test]
 fn warnings_and_files_are_in_summary_and_report() {
-    let block = Block::new("told", |scene| {
+    let block = Block::new("printed", |scene| {
         // A side that is forgotten, and a fast pulse on a coarse mesh.
         scene
             .replace("\"left\", \"right\", ", "\"left\", ")
             .replace("duration = 0.25 }", "duration = 0.04 }")
     });
     let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
-    let told = text(&ended.stdout);
+    let printed = text(&ended.stdout);
     assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
-    let warned: Vec<&str> = told
+    let warned: Vec<&str> = printed
         .lines()
         .filter_map(|line| line.strip_prefix("warning: "))
         .collect();
-    assert!(warned.len() >= 2, "{told}");
+    assert!(warned.len() >= 2, "{printed}");
     let read = |file: &str| std::fs::read_to_string(block.out().join(file)).unwrap();
     let summary = read("summary.json");
     let report = block.powerhouse(&["report", &block.out_text()]);
@@ -192,17 +192,17 @@ fn warnings_and_files_are_in_summary_and_report() {
 fn rounding_is_no_peak() {
     let block = Block::new("rounding", |scene| scene);
     let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
-    let told = text(&ended.stdout);
+    let printed = text(&ended.stdout);
     let line = |name: &str| {
-        let mut lines = told.lines();
+        let mut lines = printed.lines();
         lines
             .find(|line| line.starts_with(name))
-            .unwrap_or_else(|| panic!("{told}"))
+            .unwrap_or_else(|| panic!("{printed}"))
     };
     // The wave travels along x: y stands still.
     assert!(
         line("inside.uy").contains(" 0 m      below rounding"),
-        "{told}"
+        "{printed}"
     );
     assert!(!line("inside.ux").contains("below rounding"));
     let summary = std::fs::read_to_string(block.out().join("summary.json")).unwrap();

@@ -49,8 +49,8 @@ fn trade_writes_the_scene_that_meets_a_goal() {
         powerhouse(&[&fixed, goal].concat())
     };
     let done = trade(&["--budget", "100h"]);
-    let (told, errors) = (text(&done.stdout), text(&done.stderr));
-    assert_eq!(done.status.code(), Some(0), "{told} {errors}");
+    let (printed, errors) = (text(&done.stdout), text(&done.stderr));
+    assert_eq!(done.status.code(), Some(0), "{printed} {errors}");
     for passage in [
         "kernel: hex8-full | hex8-full and hex8-one-point | hex8-one-point",
         "precision: f64 | mixed | f32",
@@ -60,7 +60,7 @@ fn trade_writes_the_scene_that_meets_a_goal() {
         "chosen: reference",
         "trade.svg",
     ] {
-        assert!(told.contains(passage), "{passage}: {told}");
+        assert!(printed.contains(passage), "{passage}: {printed}");
     }
     let chosen = folder.path("scene_trade.toml");
     let written = std::fs::read_to_string(&chosen).unwrap();
@@ -70,7 +70,7 @@ fn trade_writes_the_scene_that_meets_a_goal() {
 
     let again = trade(&["--error", "1e-9"]);
     assert_eq!(again.status.code(), Some(1), "{}", text(&again.stderr));
-    let told = text(&again.stdout);
-    assert!(told.contains("finished before") && told.contains("no run meets the goal"));
+    let printed = text(&again.stdout);
+    assert!(printed.contains("finished before") && printed.contains("no run meets the goal"));
     assert_eq!(trade(&["--error", "-2%"]).status.code(), Some(2));
 }

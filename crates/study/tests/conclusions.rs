@@ -338,11 +338,11 @@ fn variations_are_compared_with_their_base() {
     let other = vary(case("p", 60.0, 0.4), "p-60-kobe-smooth", "friction");
     cases.push(of_kobe(other, "p-60-kobe-smooth"));
     let found = sensitivity(&cases);
-    let told: Vec<(&str, &str, &str)> = (found.iter())
+    let printed: Vec<(&str, &str, &str)> = (found.iter())
         .map(|found| (&*found.case, &*found.varies, &*found.base))
         .collect();
     assert_eq!(
-        told,
+        printed,
         [
             ("sv-30-smooth", "friction", "sv-30"),
             ("p-30-whole", "joint", "p-30"),
@@ -382,11 +382,11 @@ fn cases_without_the_strong_motion_are_not_judged() {
         conclusions(&cases)
     };
     for claim in covered(0.12) {
-        let told = claim.to_string();
-        assert!(matches!(claim.verdict, Verdict::NotJudged(_)), "{told}");
+        let printed = claim.to_string();
+        assert!(matches!(claim.verdict, Verdict::NotJudged(_)), "{printed}");
         assert!(
-            told.contains("not judged (shortened to 1.500 of 20.000 s of record 'horizontal'"),
-            "{told}"
+            printed.contains("not judged (shortened to 1.500 of 20.000 s of record 'horizontal'"),
+            "{printed}"
         );
     }
     let judged = |claim: &Conclusion| !matches!(claim.verdict, Verdict::NotJudged(_));

@@ -148,11 +148,11 @@ fn a_check_reports_resolved_frequencies_and_steps() {
 /// field that arrives after the run.
 #[test]
 fn the_input_is_compared_with_the_resolution() {
-    let told = warnings(&scene(4, &SIDES)).unwrap();
+    let printed = warnings(&scene(4, &SIDES)).unwrap();
     assert!(
-        matches!(&told[..], [Warning::Unresolved { set, share, frequency, .. }]
+        matches!(&printed[..], [Warning::Unresolved { set, share, frequency, .. }]
             if set == "rock" && *share > 0.5 && (frequency - ROCK.s_speed() / 750.0).abs() < 1e-9),
-        "{told:?}"
+        "{printed:?}"
     );
     let (mesh, _) = cube(4);
     let undriven = Scene::new("undriven", mesh).part(rock());
@@ -164,10 +164,10 @@ fn the_input_is_compared_with_the_resolution() {
         .field(wave)
         .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(Vec3::zeros()))
         .duration(0.01);
-    let told = warnings(&early).unwrap();
+    let printed = warnings(&early).unwrap();
     assert!(
-        told.contains(&Warning::StillField { duration: 0.01 }),
-        "{told:?}"
+        printed.contains(&Warning::StillField { duration: 0.01 }),
+        "{printed:?}"
     );
     assert!(matches!(
         FreeFieldCheck::of(&early),

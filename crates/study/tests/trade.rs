@@ -220,8 +220,8 @@ fn ground_without_a_structure_has_a_closed_form() {
     );
     assert_eq!((report.reference_error, report.chosen), (Some(0.0), None));
     // The estimate without a closed form is the error of the mesh; some of the error is that of the boundary.
-    let told = report.mesh.as_ref().unwrap().error / finest.error;
-    assert!((told - 1.0).abs() < 0.25, "{told}");
+    let printed = report.mesh.as_ref().unwrap().error / finest.error;
+    assert!((printed - 1.0).abs() < 0.25, "{printed}");
     // Of ground alone less is as good: waves have a shorter way to go wrong, and pass when they would.
     // By itself: which combinations are run depends on what they cost here.
     let of_ground =
@@ -273,7 +273,7 @@ fn disturbed_ground_has_no_closed_form() {
         (
             "held",
             "[[support]]\nkind = \"fixed\"\nset = \"top\"\n",
-            "held",
+            "fixed",
         ),
     ] {
         let folder = Folder::new(name, &format!("{SCENE}{section}"));
