@@ -40,10 +40,10 @@ pub struct StaticCost {
 /// Duration of the trial, which lasts at least until the first correction.
 const TRIAL: Duration = Duration::from_millis(2500);
 /// Decades by which a correction reduces the residual without yielding: the linear solver leaves a hundredth.
-const ELASTIC_DIGITS: f64 = 2.0;
+const ELASTIC_DECADES: f64 = 2.0;
 /// Decades by which a correction reduces the residual where ground yields, in the mean of the scenes of the example
 /// `cost_model`.
-const YIELDING_DIGITS: f64 = 0.5;
+const YIELDING_DECADES: f64 = 0.5;
 /// Residual at the start of an increment over the load, in the mean of the same scenes; the load is that on the whole
 /// body, of which a stage changes a part.
 const FIRST_RESIDUAL: f64 = 0.03;
@@ -51,7 +51,7 @@ const FIRST_RESIDUAL: f64 = 0.03;
 const UNCERTAINTY: f64 = 3.0;
 /// Number of corrections of an increment from which on their own rate is used for the prediction, and its least value.
 const ENOUGH_CORRECTIONS: u32 = 4;
-const LEAST_DIGITS: f64 = 0.05;
+const LEAST_DECADES: f64 = 0.05;
 
 /// Options of a stage on which the number of its corrections depends.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,31 +62,31 @@ struct StagePlan {
     release: f64,
     tolerance: f64,
     /// Decades by which a correction reduces the residual; `None` if one correction suffices.
-    digits: Option<f64>,
+    decades: Option<f64>,
     relaxes: bool,
 }
 
 impl StagePlan {
     /// Number of corrections from a residual to the tolerance, at a number of decades per correction.
-    fn corrections_from(&self, residual: f64, gained: Option<f64>) -> u32 {
-        let digits = (residual / self.tolerance).log10();
-        match gained {
-            _ if digits <= 0.0 => 0,
+    fn corrections_from(&self, residual: f64, rate: Option<f64>) -> u32 {
+        let decades = (residual / self.tolerance).log10();
+        match rate {
+            _ if decades <= 0.0 => 0,
             None => 1,
             // Rounding must not add a correction.
-            Some(gained) => (digits / gained - 1e-9).ceil() as u32,
+            Some(rate) => (decades / rate - 1e-9).ceil() as u32,
         }
     }
     /// Decades per correction in the current increment: as observed, if known.
-    fn gain_now(&self, seen: Option<f64>) -> Option<f64> {
-        self.digits.map(|digits| seen.unwrap_or(digits))
+    fn current_rate(&self, observed: Option<f64>) -> Option<f64> {
+        self.decades.map(|decades| observed.unwrap_or(decades))
     }
     /// Number of corrections of a later increment, at the geometric mean of the observed and the assumed rate.
-    fn corrections(&self, seen: Option<f64>) -> u32 {
-        let gained = self
-            .digits
-            .map(|digits| (digits * seen.unwrap_or(digits)).sqrt());
-        self.corrections_from(FIRST_RESIDUAL, gained).max(1)
+    fn corrections(&self, observed: Option<f64>) -> u32 {
+        let rate = self
+            .decades
+            .map(|decades| (decades * observed.unwrap_or(decades)).sqrt());
+        self.corrections_from(FIRST_RESIDUAL, rate).max(1)
     }
 }
 
@@ -109,9 +109,9 @@ impl StagePlans {
             increments: stage.options.increments,
             release: stage.options.release,
             tolerance: stage.options.tolerance,
-            digits: match (yields, path_dependent || bolted) {
-                (true, _) => Some(YIELDING_DIGITS),
-                (false, true) => Some(ELASTIC_DIGITS),
+            decades: match (yields, path_dependent || bolted) {
+                (true, _) => Some(YIELDING_DECADES),
+                (false, true) => Some(ELASTIC_DECADES),
                 (false, false) => None,
             },
             relaxes: stage.options.method == StaticMethod::DynamicRelaxation,
@@ -140,16 +140,16 @@ type TimedEvent = (Duration, Event);
 struct StageTimer {
     started: Instant,
     stop: Arc<AtomicBool>,
-    seen: Arc<Mutex<Vec<TimedEvent>>>,
+    events: Arc<Mutex<Vec<TimedEvent>>>,
 }
 
 impl StageTimer {
     fn put(&self, event: Event) {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.push((self.started.elapsed(), event));
-        let first = seen.first().map_or(Duration::ZERO, |(at, _)| *at);
+        let mut events = self.events.lock().unwrap_or_else(PoisonError::into_inner);
+        events.push((self.started.elapsed(), event));
+        let first = events.first().map_or(Duration::ZERO, |(at, _)| *at);
         let corrected = |(_, event): &TimedEvent| matches!(event, Event::Corrected { number, .. } if *number > 0);
-        if self.started.elapsed() - first >= TRIAL && seen.iter().any(corrected) {
+        if self.started.elapsed() - first >= TRIAL && events.iter().any(corrected) {
             self.stop.store(true, Ordering::Relaxed);
         }
     }
@@ -182,23 +182,23 @@ pub(crate) fn of(
         return Ok(None);
     }
     let stop = Arc::new(AtomicBool::new(false));
-    let seen = Arc::new(Mutex::new(Vec::new()));
+    let events = Arc::new(Mutex::new(Vec::new()));
     let timer = StageTimer {
         started: Instant::now(),
         stop: stop.clone(),
-        seen: seen.clone(),
+        events: events.clone(),
     };
     match simulation.bring_to_rest(Some(&stop), Some(Box::new(timer))) {
         Ok(_) | Err(Error::Interrupted { .. }) => {}
         Err(error) => return Err(error.into()),
     }
-    let seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
-    Ok(Some(predicted(&seen, &plans.0, memory)))
+    let events = events.lock().unwrap_or_else(PoisonError::into_inner);
+    Ok(Some(predicted(&events, &plans.0, memory)))
 }
 
 /// Decades per correction in the current increment, once it has enough corrections.
-fn gained(seen: &[TimedEvent]) -> Option<f64> {
-    let corrections = seen.iter().rev().map_while(|(_, event)| match event {
+fn observed_rate(events: &[TimedEvent]) -> Option<f64> {
+    let corrections = events.iter().rev().map_while(|(_, event)| match event {
         Event::Corrected {
             number, residual, ..
         } => Some((*number, *residual)),
@@ -206,17 +206,17 @@ fn gained(seen: &[TimedEvent]) -> Option<f64> {
     });
     let (count, last) = corrections.clone().next()?;
     let (_, first) = corrections.into_iter().find(|(number, _)| *number == 0)?;
-    let digits = (first / last).log10() / f64::from(count);
-    (count >= ENOUGH_CORRECTIONS).then(|| digits.clamp(LEAST_DIGITS, ELASTIC_DIGITS))
+    let decades = (first / last).log10() / f64::from(count);
+    (count >= ENOUGH_CORRECTIONS).then(|| decades.clamp(LEAST_DECADES, ELASTIC_DECADES))
 }
 
 /// The predicted cost of stages from the events of the first of them.
-fn predicted(seen: &[TimedEvent], plans: &[StagePlan], memory: u64) -> StaticCost {
+fn predicted(events: &[TimedEvent], plans: &[StagePlan], memory: u64) -> StaticCost {
     let (mut setting_up, mut set_up) = (Duration::ZERO, 0);
     let (mut correcting, mut timed) = (Duration::ZERO, 0);
     let (mut before, mut begun) = (Duration::ZERO, false);
     let mut completed = 0;
-    for (at, event) in seen {
+    for (at, event) in events {
         let taken = *at - before;
         before = *at;
         match event {
@@ -234,7 +234,7 @@ fn predicted(seen: &[TimedEvent], plans: &[StagePlan], memory: u64) -> StaticCos
             }
         }
     }
-    let gained = gained(seen);
+    let rate = observed_rate(events);
     let known = |plan: &&StagePlan| !plan.relaxes;
     let mut left = 0;
     let mut unknown: Vec<String> = Vec::new();
@@ -244,19 +244,19 @@ fn predicted(seen: &[TimedEvent], plans: &[StagePlan], memory: u64) -> StaticCos
             continue;
         }
         let of_increment = plan.release / f64::from(plan.increments);
-        let (now, increments) = match seen.last() {
+        let (now, increments) = match events.last() {
             Some((
                 _,
                 Event::Corrected {
                     share, residual, ..
                 },
             )) if index == completed => (
-                plan.corrections_from(*residual, plan.gain_now(gained)),
+                plan.corrections_from(*residual, plan.current_rate(rate)),
                 ((plan.release - share) / of_increment).round() as u32,
             ),
             _ => (0, plan.increments),
         };
-        left += now + increments * plan.corrections(gained);
+        left += now + increments * plan.corrections(rate);
     }
     let to_set_up = plans.iter().filter(known).count().saturating_sub(set_up);
     let each = |sum: Duration, count: usize| sum.div_f64(count.max(1) as f64);
@@ -277,13 +277,13 @@ fn predicted(seen: &[TimedEvent], plans: &[StagePlan], memory: u64) -> StaticCos
 mod tests {
     use super::*;
 
-    fn plan(increments: u32, release: f64, digits: Option<f64>) -> StagePlan {
+    fn plan(increments: u32, release: f64, decades: Option<f64>) -> StagePlan {
         StagePlan {
             name: "stage".into(),
             increments,
             release,
             tolerance: 1e-6,
-            digits,
+            decades,
             relaxes: false,
         }
     }
@@ -336,7 +336,7 @@ mod tests {
         // After a fourth correction without progress the rate is a quarter of a decade here, and the geometric mean of
         // that and the assumed one in later increments.
         let slow = [&begun[..], &[corrected(9, 4, 0.25, 1e-2)]].concat();
-        let gain = (0.25_f64 * YIELDING_DIGITS).sqrt();
+        let gain = (0.25_f64 * YIELDING_DECADES).sqrt();
         let of_increment = (f64::log10(FIRST_RESIDUAL / 1e-6) / gain).ceil() as u32;
         let cost = predicted(&slow, &plans, 5);
         assert_eq!(cost.corrections, 4 + 16 + 2 * of_increment);
@@ -351,11 +351,11 @@ mod tests {
             ..plan(1, 1.0, None)
         };
         let plans = [plan(3, 1.0, None), relaxing, plan(2, 1.0, None)];
-        let seen = [
+        let events = [
             corrected(1, 0, 1.0 / 3.0, 1.0),
             corrected(2, 1, 1.0 / 3.0, 1e-8),
         ];
-        let cost = predicted(&seen, &plans, 0);
+        let cost = predicted(&events, &plans, 0);
         assert_eq!((cost.timed, cost.corrections), (1, 5));
         assert_eq!(cost.unknown, ["slides"]);
         // One second of set-up, one correction; two increments, another stage with two.

@@ -25,7 +25,7 @@ use powerhouse::io::{TableColumn, read_table};
 use powerhouse::wavefield::TimeHistory;
 
 use crate::StudyError;
-use crate::sweep::{CASES, CaseOutcome, Listed, MARK, OUTCOME, write_text};
+use crate::sweep::{CASES, CaseEntry, CaseOutcome, MARK, OUTCOME, write_text};
 
 /// Name of the page in the result folder.
 const FILE: &str = "report.html";
@@ -113,13 +113,13 @@ fn case_folders(folder: &Path) -> Result<Option<Vec<PathBuf>>, StudyError> {
 }
 
 /// The list of cases of a sweep; `None` if the folder contains no sweep.
-fn listed(folder: &Path) -> Result<Option<Vec<Listed>>, StudyError> {
+fn listed(folder: &Path) -> Result<Option<Vec<CaseEntry>>, StudyError> {
     let file = folder.join(CASES);
     let Ok(text) = std::fs::read(&file) else {
         return Ok(None);
     };
     let cases = serde_json::from_slice(&text);
-    let cases: Vec<Listed> = cases.map_err(|source| StudyError::Outcome { file, source })?;
+    let cases: Vec<CaseEntry> = cases.map_err(|source| StudyError::Outcome { file, source })?;
     Ok(Some(cases))
 }
 

@@ -16,13 +16,13 @@ const SUMMARY: &str = "summary.json";
 
 /// Entry of the list of cases: name and fingerprint of the inputs.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct Listed {
+pub(crate) struct CaseEntry {
     name: String,
     #[serde(rename = "mark")]
     fingerprint: Fingerprint,
 }
 
-impl Listed {
+impl CaseEntry {
     pub(super) fn new(name: &str, fingerprint: &Fingerprint) -> Self {
         Self {
             name: name.into(),

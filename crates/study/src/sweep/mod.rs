@@ -46,7 +46,7 @@ use case::CaseControl;
 pub use contact::{JointAndLining, JointCase};
 pub use coverage::Coverage;
 pub use damage::PartDamage;
-pub(crate) use finished::Listed;
+pub(crate) use finished::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 
@@ -257,10 +257,11 @@ impl Sweep {
     fn write_inputs(&self) -> Result<(), StudyError> {
         let is_listed = |case: &&String| self.cases.contains(case) || self.is_finished(case);
         let cases = self.all.iter().filter(is_listed);
-        let listed = cases.filter_map(|case| Some(Listed::new(case, self.fingerprints.get(case)?)));
-        let listed: Vec<Listed> = listed.collect();
+        let entries =
+            cases.filter_map(|case| Some(CaseEntry::new(case, self.fingerprints.get(case)?)));
+        let entries: Vec<CaseEntry> = entries.collect();
         let file = self.folder.join(CASES);
-        write_summary(&file, &listed).map_err(powerhouse::Error::from)?;
+        write_summary(&file, &entries).map_err(powerhouse::Error::from)?;
         for (name, history) in &self.records {
             let count = history.samples();
             let times = (0..count).map(|sample| sample as f64 * history.step());
