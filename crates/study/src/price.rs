@@ -24,16 +24,16 @@ pub struct ParetoPoint {
 
 /// Indices of the points on the Pareto front: those for which no other has both less cost and less error; the
 /// cheapest first.
-pub fn pareto_front(prices: &[ParetoPoint]) -> Vec<usize> {
-    let mut front: Vec<usize> = (0..prices.len()).collect();
+pub fn pareto_front(alternatives: &[ParetoPoint]) -> Vec<usize> {
+    let mut front: Vec<usize> = (0..alternatives.len()).collect();
     front.sort_by(|&a, &b| {
-        let (a, b) = (&prices[a], &prices[b]);
+        let (a, b) = (&alternatives[a], &alternatives[b]);
         a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error))
     });
     let mut least = f64::INFINITY;
     front.retain(|&index| {
-        let better = prices[index].error < least;
-        least = least.min(prices[index].error);
+        let better = alternatives[index].error < least;
+        least = least.min(alternatives[index].error);
         better
     });
     front
@@ -51,15 +51,15 @@ pub fn draw_pareto_front(
     file: &Path,
     title: &str,
     (label, unit): (&str, &str),
-    prices: &[ParetoPoint],
+    alternatives: &[ParetoPoint],
     uncertainty: f64,
 ) -> Result<(), StudyError> {
     let least = uncertainty.max(LEAST);
-    let at = |price: &ParetoPoint| {
-        let cost = price.cost.max(f64::MIN_POSITIVE);
-        [cost.log10(), price.error.max(least).log10()]
+    let at = |alternative: &ParetoPoint| {
+        let cost = alternative.cost.max(f64::MIN_POSITIVE);
+        [cost.log10(), alternative.error.max(least).log10()]
     };
-    let points: Vec<[f64; 2]> = prices.iter().map(at).collect();
+    let points: Vec<[f64; 2]> = alternatives.iter().map(at).collect();
     let range = |axis: usize| {
         let values = points.iter().map(|point| point[axis]);
         let least = values.clone().fold(f64::INFINITY, f64::min);
@@ -74,7 +74,7 @@ pub fn draw_pareto_front(
             ]
         })
         .collect();
-    let front = pareto_front(prices);
+    let front = pareto_front(alternatives);
     let front: [Vec<f64>; 2] =
         [0, 1].map(|axis| front.iter().map(|&index| points[index][axis]).collect());
     let mut curves = vec![PlotCurve {
@@ -82,9 +82,9 @@ pub fn draw_pareto_front(
         x: &front[0],
         y: &front[1],
     }];
-    let named = crosses.iter().zip(prices);
-    curves.extend(named.map(|([x, y], price)| PlotCurve {
-        name: &price.name,
+    let named = crosses.iter().zip(alternatives);
+    curves.extend(named.map(|([x, y], alternative)| PlotCurve {
+        name: &alternative.name,
         x,
         y,
     }));
@@ -108,13 +108,14 @@ mod tests {
     /// The front contains the points that no other dominates, equal ones once, by rising cost.
     #[test]
     fn the_front_contains_the_points_that_none_dominates() {
-        let prices: Vec<ParetoPoint> = [(3.0, 0.1), (1.0, 0.5), (2.0, 0.5), (2.0, 0.3), (9.0, 0.2)]
-            .map(|(cost, error)| ParetoPoint {
-                name: String::new(),
-                cost,
-                error,
-            })
-            .into();
-        assert_eq!(pareto_front(&prices), [1, 3, 0]);
+        let alternatives: Vec<ParetoPoint> =
+            [(3.0, 0.1), (1.0, 0.5), (2.0, 0.5), (2.0, 0.3), (9.0, 0.2)]
+                .map(|(cost, error)| ParetoPoint {
+                    name: String::new(),
+                    cost,
+                    error,
+                })
+                .into();
+        assert_eq!(pareto_front(&alternatives), [1, 3, 0]);
     }
 }
