@@ -137,7 +137,7 @@ fn the_problem_is_taken_from_the_scene() {
         assert!((found.unwrap_or(0.0) - expected.unwrap_or(0.0)).abs() < 1e-9);
     }
     assert_eq!(problem.spreading, Spreading::Cylindrical);
-    let Excitation::Waves { waves, band } = &problem.drive else {
+    let Excitation::Waves { waves, band } = &problem.excitation else {
         panic!("waves come in")
     };
     assert_eq!((waves.len(), waves[0].kind), (1, WaveKind::P));
