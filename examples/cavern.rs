@@ -1,7 +1,7 @@
-//! The main job, composed in Rust: a lined cavern under an earthquake that arrives at an angle.
+//! A lined cavern under an obliquely incident earthquake, composed in Rust.
 //!
-//! Builds on all before. The same model as `data/scenes/cavern_small.toml`, its first two
-//! seconds, without a scene file; both ways must give the same numbers.
+//! Builds on all earlier examples. The model of `data/scenes/cavern_small.toml` without a scene file, for its first two
+//! seconds; both must give the same numbers.
 //!
 //! ```text
 //!      z = 0      ----------------x----------------   surface
@@ -85,7 +85,7 @@ fn composed(data: &Path) -> Outcome<Scene> {
         ))
 }
 
-/// The crown's horizontal displacement, sample by sample.
+/// Samples of the horizontal displacement of the crown.
 fn crown(results: &Results) -> Outcome<&[f64]> {
     let column = results
         .histories

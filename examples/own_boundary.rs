@@ -1,8 +1,8 @@
-//! An absorbing boundary of one's own, in a scene like any other.
+//! A user-defined absorbing boundary in a scene.
 //!
 //! Builds on `absorbing_box`. Dashpots with the impedances of P and S waves (Lysmer & Kuhlemeyer,
-//! 1969), written against the public socket, with the input forces of the free field. The result
-//! must be that of the boundary that comes with the software.
+//! 1969), implemented with the public trait, with the input forces of the free field. The results must
+//! equal those of the built-in boundary.
 //!
 //! ```text
 //!        +-----------x-----------+   free surface, z = 100 m, monitoring point x
@@ -29,10 +29,10 @@ use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, RaisedCosineP
 use powerhouse::{Boundary, Material, OutputPlan, Part, RunHooks, Scene};
 use powerhouse_examples::Figures;
 
-/// Dashpots across every face, tuned to plane waves along its normal.
+/// Viscous boundary: dashpots at every face, with the impedances of plane waves along its normal.
 struct Dashpots;
 
-/// The dashpot of a node (N s/m): every face that meets there adds its share.
+/// Dashpot matrix of a node (N s/m), the sum over all faces at the node.
 fn dashpot(node: &SiteNode) -> Mat3 {
     let of_face = |face: &powerhouse::model::SiteFace| {
         let medium = &face.medium;
@@ -75,7 +75,7 @@ fn vector_area(node: &SiteNode) -> Vec3 {
     node.faces.iter().map(|face| face.normal * face.area).sum()
 }
 
-/// The forces that make the dashpots follow the free field: `C v + sigma n A`.
+/// Equivalent nodal forces of the free field: `C v + sigma n A`.
 struct GroundMotion {
     nodes: Vec<u32>,
     dashpots: Vec<Mat3>,
@@ -101,7 +101,7 @@ impl NodalLoad for GroundMotion {
     }
 }
 
-/// The motion of the surface's centre, component after component.
+/// The motion of the centre of the surface, component by component.
 fn surface_motion(
     boundary: impl AbsorbingBoundary + 'static,
 ) -> Result<Vec<f64>, Box<dyn std::error::Error>> {

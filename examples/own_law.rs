@@ -1,22 +1,22 @@
-//! A constitutive law of one's own, in a scene like any other: in thirty lines, then with a memory
-//! and an account of its energy, then in lanes.
+//! A user-defined constitutive law in a scene: in thirty lines, then with a history variable and its energies, then for
+//! several SIMD lanes.
 //!
 //! Builds on `free_field`. Soil that softens in shear: the modulus falls with the shear strain
 //! `gamma` as `G / (1 + gamma / gamma_ref)` (the hyperbola of Hardin & Drnevich, 1972). The first
-//! form has no memory. The second keeps the largest shear strain so far and keeps the modulus
-//! that goes with it; what it takes when it softens further is damage. The third is the second for
-//! as many elements at once as the processor takes, and gives the same bits.
+//! form is nonlinear elastic. The second has the largest shear strain so far as a history variable, which determines the
+//! modulus; the energy dissipated by further softening is damage. The third is the second for as many elements at once as
+//! the processor supports, with the same bits.
 //!
 //! ```text
 //!      z = 0   +---+  free surface           a column of soil, 40 m, one element across,
-//!              |   |                         held in z and y: an SV wave straight up moves
-//!              | : |                         it along x
+//!              |   |                         supported in y and z, under a vertically
+//!              | : |                         incident SV wave along x
 //!              |   |
 //!     z = -40  +---+  absorbing, SV wave in
 //! ```
 //!
-//! A wave of small strain must not notice the softening; a strong one is slowed down. The energy
-//! that a law with memory takes is damage alone, and the balance closes.
+//! A wave of small strain is not affected by the softening; a strong one is slower. The dissipation of the law with a
+//! history variable is damage alone, and the energy balance closes.
 //!
 //! Run: `cargo run --release --example own_law`
 
@@ -39,7 +39,7 @@ use powerhouse_examples::Figures;
 #[derive(Clone)]
 struct Hyperbolic {
     medium: ElasticMedium,
-    /// The shear strain at which half the modulus is left.
+    /// Reference shear strain, at which the modulus is halved (1).
     reference_strain: f64,
 }
 
@@ -65,15 +65,15 @@ impl PointLaw for Hyperbolic {
     }
 }
 
-/// Soil that keeps the largest shear strain so far, for any lane.
+/// Soil with the largest shear strain so far as a history variable, for any lane type.
 #[derive(Clone)]
 struct Remembering(Hyperbolic);
 
-/// Its history variable: a name, a unit, and how results show it.
+/// The history variable with its name, unit and kind of output.
 const MEMORY: [HistoryVariable; 1] = [HistoryVariable::amount("largest_shear_strain", "1")];
 
 impl Remembering {
-    /// The share of the shear modulus that is left after a shear strain.
+    /// The secant shear modulus over the initial one at a shear strain.
     #[inline(always)]
     fn left<L: Lane>(&self, largest: L) -> L {
         let one = largest.constant(1.0);
@@ -105,7 +105,7 @@ impl ConstitutiveLaw for Remembering {
         }
         stress
     }
-    // Without it the energy that softening takes would count as plastic.
+    // Without it the energy dissipated by softening would count as plastic.
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let [xx, yy, zz, xy, yz, zx] = input.strain.0;
@@ -126,7 +126,7 @@ impl ConstitutiveLaw for Remembering {
     }
 }
 
-/// The same law one point at a time, through the socket of the first.
+/// The same law one point at a time, with the trait of the first form.
 struct OneByOne(Remembering);
 
 impl PointLaw for OneByOne {
@@ -261,7 +261,7 @@ fn figures() -> Outcome<Figures> {
     };
     let taken = energy("damage")?;
     figures.report("own_law.energy.damage", taken, "J, taken by softening");
-    // What the steps leave is of their second order, the softening of a step of their first.
+    // The error of the energy balance is of second order in the step, the softening of a step of first order.
     let left = energy("integration")?.abs() / taken;
     figures.at_most("own_law.energy.integration", left, 0.05);
     figures.at_most("own_law.energy.residual", wide.run.energy_residual, 1e-10);

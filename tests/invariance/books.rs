@@ -1,5 +1,4 @@
-//! The balance of energy leaves no trace in the motion, and does not ask laws where they are surely
-//! elastic.
+//! The energy balance does not change the motion, and does not evaluate laws where they are certainly elastic.
 
 use powerhouse_explicit_core::{
     BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, Precision, RunOptions, SolidKernel,
@@ -11,7 +10,7 @@ use powerhouse_model::{
     RemainingStiffness, Stress, Vec3,
 };
 
-/// A law that does not tell where it is elastic, so that it is asked everywhere.
+/// A law without an elastic domain, so that its energies are evaluated everywhere.
 #[derive(Clone)]
 struct Asked<M>(M);
 
@@ -41,8 +40,8 @@ impl<M: ConstitutiveLaw> ConstitutiveLaw for Asked<M> {
     }
 }
 
-/// A distorted beam that is bent until its foot yields and the rest does not: the bits of its motion, and
-/// the energies that were booked over as many steps, if they were.
+/// A distorted beam in bending with yielding at its foot only: the bits of its motion, and its energies if the
+/// balance is computed.
 fn shaken<M: ConstitutiveLaw>(
     (kernel, law, stiffness): (SolidKernel, M, f64),
     steps: u64,
@@ -78,9 +77,8 @@ fn shaken<M: ConstitutiveLaw>(
     (numbers.map(|n| n.to_bits()).collect(), report.energies)
 }
 
-/// With the balance and without it the motion has the same bits, and where the law is asked everywhere
-/// the balance says the same: nothing is lost where batches of elements come into its account and leave
-/// it again.
+/// The motion has the same bits with and without the energy balance, and the balance is the same if the law is
+/// evaluated everywhere: no energy is lost when batches of elements enter and leave the active set.
 fn check<M: ConstitutiveLaw>(kernel: SolidKernel, law: &M, stiffness: f64) {
     let mut spent = 0.0_f64;
     for steps in [40, 120, 400] {
@@ -110,7 +108,7 @@ fn check<M: ConstitutiveLaw>(kernel: SolidKernel, law: &M, stiffness: f64) {
 }
 
 #[test]
-fn a_balance_is_kept_of_what_is_not_surely_elastic() {
+fn the_balance_does_not_change_the_motion() {
     let one_point = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
     let rock = ElastoPlastic::new(MohrCoulomb::new(presets::PAPER_ROCK).unwrap());
     check(one_point, &rock, 0.0);
@@ -118,7 +116,7 @@ fn a_balance_is_kept_of_what_is_not_surely_elastic() {
 }
 
 #[test]
-fn so_it_is_of_laws_with_damage() {
+fn the_balance_of_laws_with_damage_does_not_change_the_motion() {
     check(
         SolidKernel::Hex8Full,
         &presets::paper_concrete().unwrap(),

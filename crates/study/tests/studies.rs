@@ -1,4 +1,4 @@
-//! What studies say of scenes whose answers are known.
+//! Checks of scenes with known results.
 
 use std::sync::Arc;
 
@@ -88,7 +88,7 @@ fn the_free_field_error_falls_with_the_square_of_the_size() {
     ));
 }
 
-/// The box of a scene takes its absorbing faces whatever they are called, one or several.
+/// The free-field box takes over absorbing faces of any names, one or several.
 #[test]
 fn faces_may_have_any_names() {
     let (mut mesh, wave) = cube(6);
@@ -112,9 +112,9 @@ fn faces_may_have_any_names() {
     }
 }
 
-/// A box that is open on a side has no free field to be compared with.
+/// A box with an unsupported side has no free field for comparison.
 #[test]
-fn an_open_side_is_refused_by_name() {
+fn an_open_side_is_an_error_by_name() {
     let open = FreeFieldCheck::of(&scene(4, &["left", "front", "back", "bottom"]));
     assert!(matches!(open, Err(StudyError::OpenFace { face: "right" })));
     let (mesh, _) = cube(4);
@@ -122,10 +122,10 @@ fn an_open_side_is_refused_by_name() {
     assert!(matches!(still, Err(StudyError::NoField)));
 }
 
-/// A part carries ten elements per wavelength of shear waves; a run takes the stable step as often
-/// as the duration needs, and one step to see its end.
+/// A part resolves ten elements per shear wavelength; a run takes as many stable steps as the duration needs, and one
+/// more.
 #[test]
-fn a_check_says_what_elements_carry_and_how_many_steps_a_run_takes() {
+fn a_check_reports_resolved_frequencies_and_steps() {
     let report = check(scene(16, &SIDES)).unwrap();
     let carried = &report.resolution[0];
     assert_eq!(carried.set, "rock");
@@ -144,19 +144,19 @@ fn a_check_says_what_elements_carry_and_how_many_steps_a_run_takes() {
     assert!(report.stable.assembled_limit > 1.1 * bound);
 }
 
-/// A pulse that is too fast for the elements is told, like a record; so is a scene in which nothing
-/// moves, or to which its field comes too late.
+/// There are warnings for a pulse or a record with unresolved frequencies, for a scene without excitation, and for a
+/// field that arrives after the run.
 #[test]
-fn what_comes_in_is_held_against_the_elements() {
-    let told = warnings(&scene(4, &SIDES)).unwrap();
+fn the_input_is_compared_with_the_resolution() {
+    let printed = warnings(&scene(4, &SIDES)).unwrap();
     assert!(
-        matches!(&told[..], [Warning::Unresolved { set, share, frequency, .. }]
+        matches!(&printed[..], [Warning::Unresolved { set, share, frequency, .. }]
             if set == "rock" && *share > 0.5 && (frequency - ROCK.s_speed() / 750.0).abs() < 1e-9),
-        "{told:?}"
+        "{printed:?}"
     );
     let (mesh, _) = cube(4);
     let undriven = Scene::new("undriven", mesh).part(rock());
-    assert_eq!(warnings(&undriven).unwrap(), [Warning::Undriven]);
+    assert_eq!(warnings(&undriven).unwrap(), [Warning::NoExcitation]);
     // The pulse needs a quarter of a second to the surface.
     let (mesh, wave) = cube_under(4, Arc::new(SmoothPulse::new(0.01, 0.5).unwrap()));
     let early = Scene::new("early", mesh)
@@ -164,10 +164,10 @@ fn what_comes_in_is_held_against_the_elements() {
         .field(wave)
         .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(Vec3::zeros()))
         .duration(0.01);
-    let told = warnings(&early).unwrap();
+    let printed = warnings(&early).unwrap();
     assert!(
-        told.contains(&Warning::StillField { duration: 0.01 }),
-        "{told:?}"
+        printed.contains(&Warning::StillField { duration: 0.01 }),
+        "{printed:?}"
     );
     assert!(matches!(
         FreeFieldCheck::of(&early),
@@ -175,9 +175,9 @@ fn what_comes_in_is_held_against_the_elements() {
     ));
 }
 
-/// An error that is not a number is never accepted.
+/// An error of NaN is never accepted.
 #[test]
-fn an_error_that_is_no_number_is_refused() {
+fn an_error_of_nan_is_not_accepted() {
     let mut report = free_field(&scene(4, &SIDES));
     report.points[0].velocity = f64::NAN;
     assert!(report.largest().is_nan());
@@ -218,8 +218,8 @@ fn the_box_is_as_coarse_as_the_rock_at_its_coarsest() {
     assert_eq!(cells(&graded(1.5)), [8; 3]);
 }
 
-/// A slice has its check too: rollers or periodic pairs that hold a whole side hold it in the box,
-/// and the wave in its plane passes as in the block.
+/// A slice has a free-field check, too: roller supports or periodic pairs of whole sides are applied to the box, and the
+/// wave in its plane travels as in the block.
 #[test]
 fn slices_are_checked() {
     let in_plane = ["left", "right", "bottom"];
@@ -268,9 +268,9 @@ fn slices_are_checked() {
     ));
 }
 
-/// Where the ground is damped the check stays elastic, and tells the error with damping beside.
+/// For damped ground the check is elastic, and the error with damping is reported separately.
 #[test]
-fn damping_is_told_beside() {
+fn damping_is_reported_separately() {
     let elastic = free_field(&scene(12, &SIDES));
     assert_eq!(elastic.damped, None);
     let (mesh, wave) = cube(12);
@@ -288,10 +288,9 @@ fn damping_is_told_beside() {
     assert!(with.velocity < 0.5);
 }
 
-/// What a run would write and hold stays a number, and grows with what is asked of it only as far
-/// as there are steps.
+/// Predicted output and memory are finite, and grow with the requests only up to the number of steps.
 #[test]
-fn costs_of_any_plan_are_numbers() {
+fn costs_of_any_plan_are_finite() {
     let cost = |every: f64, snapshots: f64| {
         let mut plan =
             OutputPlan::default().history("top", Vec3::new(150.0, 150.0, 0.0), Motion::ALL);
@@ -310,8 +309,7 @@ fn costs_of_any_plan_are_numbers() {
     assert!(each.output < rows + cost(0.1, 0.1).output, "{each:?}");
 }
 
-/// Doubts are told: long elements, damping before an absorbing face, motion that is too fast for
-/// the elements.
+/// There are warnings for long elements, damping at an absorbing face, and motion with unresolved frequencies.
 #[test]
 fn a_check_warns() {
     let damped = {

@@ -1,4 +1,4 @@
-//! The boundaries among which advice chooses.
+//! The absorbing boundaries that are compared.
 
 use std::sync::Arc;
 
@@ -8,39 +8,40 @@ use powerhouse::boundary::{
 };
 use powerhouse::model::{AbsorbingBoundary, ElasticMedium, ParameterError};
 
-/// A of all springs.
+/// Coefficient A of all viscous-spring boundaries.
 const AMPLITUDE_RATIO: f64 = 0.8;
 
-/// A boundary that a scene can name.
+/// Kind of absorbing boundary, as a scene's `[boundary]` table describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BoundaryKind {
-    /// Dashpots alone.
+    /// Viscous boundary: dashpots without springs.
     Viscous,
-    /// Springs and dashpots with a B of their own.
+    /// Viscous-spring boundary with A = 0.8 and a given coefficient B.
     Springs {
-        /// B, the ratio of physical to apparent wave speed.
+        /// Coefficient B: ratio of physical to apparent wave speed.
         speed_ratio: f64,
     },
-    /// Springs of the ground that is left out, for what lasts, and dashpots with B = 1.
+    /// Viscous-spring boundary with the static stiffness of the ground outside the mesh, and dashpots with B = 1.
     StaticSprings,
-    /// Springs and dashpots with B = 1.1, and the incident wave alone on the bottom, as in the paper.
+    /// Viscous-spring boundary with B = 1.1 that applies only the incident wave at the bottom, as in Wang, Chen &
+    /// Xiao (2019).
     IncidentOnly,
 }
 
-/// What a boundary stands on: the ground, how waves spread, and distances to the faces across x, y and
-/// z (m).
+/// Ground at an absorbing boundary: medium, geometrical spreading and distances to the scatterer, from which
+/// the spring and dashpot coefficients follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Standing {
-    /// The ground.
+pub struct Surroundings {
+    /// Elastic medium behind the faces.
     pub medium: ElasticMedium,
-    /// How waves spread.
+    /// Geometrical spreading of the scattered waves: cylindrical or spherical.
     pub spreading: Spreading,
-    /// From what scatters to the faces across each axis (m).
+    /// Distances (m) from the scatterer to the nearest faces normal to x, y and z.
     pub distances: [f64; 3],
 }
 
 impl BoundaryKind {
-    /// All, simple ones first.
+    /// All compared boundaries, in order of increasing complexity.
     pub const ALL: [Self; 5] = [
         Self::Viscous,
         Self::Springs { speed_ratio: 1.1 },
@@ -49,7 +50,7 @@ impl BoundaryKind {
         Self::IncidentOnly,
     ];
 
-    /// A name in reports.
+    /// The name of the boundary in reports.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -68,7 +69,7 @@ impl BoundaryKind {
         }
     }
 
-    /// The distance that springs take in place of a true one (m).
+    /// Distance (m) that is used in the spring coefficients in place of the geometrical one.
     ///
     /// With `(lambda + 2 G) r/(4 G (1 + A))` the normal spring `(lambda + 2 G)/((1 + A) r')` is `4 G/r`,
     /// that of infinite ground around a spherical cavity under pressure; half of it, `2 G/r`, is that
@@ -82,13 +83,14 @@ impl BoundaryKind {
         }
     }
 
-    /// The boundary, with the names of the faces of the bottom.
+    /// Builds the absorbing boundary; `bottom` are the names of the bottom faces, for boundaries that apply another
+    /// input there.
     ///
     /// # Errors
-    /// None but for distances that are not positive numbers.
+    /// A distance that is not a positive number.
     pub fn condition(
         &self,
-        standing: &Standing,
+        surroundings: &Surroundings,
         bottom: &[String],
     ) -> Result<Arc<dyn AbsorbingBoundary>, ParameterError> {
         let input = match self {
@@ -101,61 +103,62 @@ impl BoundaryKind {
             return Ok(Arc::new(Viscous { input }));
         }
         let mut axes = [AxisParameters::PAPER; 3];
-        for (axis, distance) in axes.iter_mut().zip(standing.distances) {
-            // Others take the distance of each node, from the scene's geometry.
+        for (axis, distance) in axes.iter_mut().zip(surroundings.distances) {
+            // Other kinds take the distance of each node from the scene's geometry.
             let given = matches!(self, Self::StaticSprings)
-                .then(|| self.distance(&standing.medium, distance));
+                .then(|| self.distance(&surroundings.medium, distance));
             *axis = AxisParameters::new(AMPLITUDE_RATIO, self.speed_ratio(), given)?;
         }
         Ok(Arc::new(ViscousSpring {
             axes,
-            spreading: standing.spreading,
+            spreading: surroundings.spreading,
             input,
         }))
     }
 
-    /// Springs and dashpots of a face at a distance (m).
+    /// Spring and dashpot coefficients per area of a face at a distance (m) from the scatterer.
     #[must_use]
-    pub fn face(&self, standing: &Standing, distance: f64) -> FaceCoefficients {
-        let medium = &standing.medium;
+    pub fn face(&self, surroundings: &Surroundings, distance: f64) -> FaceCoefficients {
+        let medium = &surroundings.medium;
         if *self == Self::Viscous {
             return FaceCoefficients::viscous(medium);
         }
         let distance = self.distance(medium, distance);
         let face =
             FaceCoefficients::viscous_spring(medium, AMPLITUDE_RATIO, self.speed_ratio(), distance);
-        match standing.spreading {
+        match surroundings.spreading {
             Spreading::Spherical => face,
             Spreading::Cylindrical => face.with_springs_scaled(0.5),
         }
     }
 
-    /// Shares of P and SV waves that a face at a distance (m) returns straight on, at a frequency (Hz).
+    /// Amplitude reflection coefficients of P and SV waves at normal incidence, of a face at a distance (m) and at
+    /// a frequency (Hz).
     ///
     /// # Errors
     /// A frequency that is not positive.
-    pub fn returned(
+    pub fn reflected(
         &self,
-        standing: &Standing,
+        surroundings: &Surroundings,
         distance: f64,
         frequency: f64,
     ) -> Result<[f64; 2], ParameterError> {
-        let face = self.face(standing, distance);
+        let face = self.face(surroundings, distance);
         let rate = core::f64::consts::TAU * frequency;
-        let of = |wave| reflection(&standing.medium, &face, wave, 0.0, rate);
+        let of = |wave| reflection(&surroundings.medium, &face, wave, 0.0, rate);
         let (p, sv) = (of(BodyWave::P)?, of(BodyWave::Sv)?);
         Ok([p.p.norm(), sv.sv.norm()])
     }
 
-    /// Whether it holds the body against lasting forces.
+    /// Whether the boundary resists static loads: every kind but dashpots alone.
     #[must_use]
-    pub fn holds(&self) -> bool {
+    pub fn resists_static_loads(&self) -> bool {
         *self != Self::Viscous
     }
 
-    /// The keys of a scene's `[boundary]` table, faces and scatterer aside.
+    /// The lines of a scene's `[boundary]` table for this boundary, without `faces` and `scatterer`.
     #[must_use]
-    pub fn keys(&self, standing: &Standing, bottom: &[String]) -> String {
+    pub fn keys(&self, surroundings: &Surroundings, bottom: &[String]) -> String {
         let mut keys = String::new();
         let mut key = |line: String| {
             keys.push_str(&line);
@@ -167,12 +170,12 @@ impl BoundaryKind {
         }
         key("kind = \"viscous-spring\"".into());
         key(format!("b = {:?}", self.speed_ratio()));
-        if standing.spreading == Spreading::Cylindrical {
+        if surroundings.spreading == Spreading::Cylindrical {
             key("spreading = \"cylindrical\"".into());
         }
         if *self == Self::StaticSprings {
-            for (axis, distance) in ['x', 'y', 'z'].into_iter().zip(standing.distances) {
-                let distance = self.distance(&standing.medium, distance);
+            for (axis, distance) in ['x', 'y', 'z'].into_iter().zip(surroundings.distances) {
+                let distance = self.distance(&surroundings.medium, distance);
                 key(format!("{axis} = {{ distance = {distance:.6e} }}"));
             }
         }

@@ -1,24 +1,24 @@
-//! Changes of a scene's file, and what the changed scene costs.
+//! Changes of a scene's file, and the cost of the changed scene.
 
 use powerhouse::Scene;
 use toml::Table;
 
-use super::window::{Growth, SceneFile, Window};
+use super::window::{ErrorGrowth, SceneFile, Window};
 use super::{Change, PredictedError, Saving};
-use crate::cost::Clock;
+use crate::cost::StepTimer;
 use crate::trade::{Factor, factors};
 
-/// A change of a level of a factor: the change, the factor and the level.
+/// Changes as levels of factors of a trade study: change, factor and level.
 static CHANGES: [(Change, &str, &str); 3] = [
     (Change::Mixed, "precision", "mixed"),
     (Change::OnePoint, "kernel", "hex8-one-point"),
     (Change::FlatDamping, "damping", "flat"),
 ];
 
-/// The files of a scene that can be read again: as it stands and changed.
+/// The files of a scene, unchanged and with single changes.
 pub(super) struct Files {
     pub(super) own: SceneFile,
-    /// The same in double precision.
+    /// The scene in double precision.
     pub(super) double: SceneFile,
     pub(super) variants: Vec<Variant>,
 }
@@ -30,7 +30,7 @@ pub(super) struct Variant {
 }
 
 impl Files {
-    /// Those of a scene; none of a scene that has no file, or that is a case.
+    /// The files of a scene; `None` for a scene without a file or a case.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let (Some(source), None) = (scene.source(), scene.case()) else {
             return None;
@@ -66,22 +66,22 @@ impl Files {
 }
 
 impl Variant {
-    /// What the change saves of the scene as it stands, of which a run has so many steps; nothing if the
-    /// changed scene cannot be run, or either run has too few steps to be timed.
+    /// The saving by the change, against a scene with a timer and a number of steps; `None` if the changed scene cannot
+    /// be run, or either run has too few steps to be timed.
     pub(super) fn saving(
         self,
-        (own, steps): (&mut Clock, u64),
+        (own, steps): (&mut StepTimer, u64),
         of_step: core::time::Duration,
         window: &Window,
     ) -> Option<Saving> {
         let duration = self.file.duration;
         let scene = self.file.scene(duration)?;
-        let (deviation, still) = (deviation(&scene), scene.stages().is_empty());
+        let (deviation, unstaged) = (deviation(&scene), scene.stages().is_empty());
         let nonlinear = scene.parts().iter().any(|part| !part.material.is_linear());
         let mut simulation = scene.prepare().ok()?;
         let step = simulation.step().ok()?;
         let steps = ((duration / step).ceil() + 1.0) / steps as f64;
-        let mut clock = Clock::of(&mut simulation).ok()?;
+        let mut clock = StepTimer::of(&mut simulation).ok()?;
         let ratio = clock.ratio_to(own, of_step).ok()??;
         let error = match self.change {
             Change::FlatDamping => PredictedError {
@@ -92,8 +92,8 @@ impl Variant {
             },
             ref change => {
                 let growth = match change {
-                    Change::Mixed => Growth::OfRounding,
-                    _ => Growth::Unknown,
+                    Change::Mixed => ErrorGrowth::OfRounding,
+                    _ => ErrorGrowth::Unknown,
                 };
                 match window.error_of(&self.file, growth) {
                     Ok(error) => PredictedError::measured(&error),
@@ -106,28 +106,28 @@ impl Variant {
             steps,
             elements: 1.0,
             time: steps * ratio,
-            timed: match (still, nonlinear) {
-                (true, false) => "timed side by side",
-                (true, true) => "timed side by side before anything yields",
-                (false, _) => "timed side by side without the stages and before anything yields",
+            timed: match (unstaged, nonlinear) {
+                (true, false) => "timed alternately",
+                (true, true) => "timed alternately before anything yields",
+                (false, _) => "timed alternately without the stages and before anything yields",
             },
             error,
         })
     }
 }
 
-/// A scene's file with another level of a factor, if that is less accurate than its own.
+/// A scene's file with another level of a factor, if that is less accurate than the scene's.
 fn with_level(file: &Table, factor: &Factor, level: &str) -> Option<Table> {
-    let place = factor.levels.iter().position(|other| other.name == level)?;
-    if place <= factor.own {
+    let index = factor.levels.iter().position(|other| other.name == level)?;
+    if index <= factor.own {
         return None;
     }
     let mut changed = file.clone();
-    factor.levels[place].apply(&mut changed);
+    factor.levels[index].apply(&mut changed);
     Some(changed)
 }
 
-/// The largest deviation of flat damping from its ratio within its band, among all parts.
+/// Largest deviation of flat damping from its nominal ratio within its band, among all parts.
 fn deviation(scene: &Scene) -> f64 {
     let parts = scene.parts().iter();
     let deviations = parts.filter_map(|part| match &part.damping {
