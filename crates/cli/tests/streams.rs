@@ -88,7 +88,7 @@ fn commands_that_only_print_do_not_panic() {
     for (arguments, of_pipe, of_full) in [
         (vec!["schema"], 0, 2),
         // The block has a warning, hence its status.
-        (vec!["check", &scene], 1, 1),
+        (vec!["check", &scene], 1, 2),
         (vec!["check", "no-such-scene.toml"], 2, 2),
     ] {
         let mut child = command(&arguments)

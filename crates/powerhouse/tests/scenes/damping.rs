@@ -127,8 +127,8 @@ fn the_cost_of_flat_damping_is_told() {
     for passage in [
         "part 'rock'",
         "5.000 % of critical from 0.5 to 20 Hz",
-        "18 numbers more",
-        "at rest it is 0.8",
+        "18 more history variables",
+        "the static stiffness is 0.8",
     ] {
         assert!(told.contains(passage), "{passage}: {told}");
     }
