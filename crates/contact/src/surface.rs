@@ -111,13 +111,12 @@ impl JointSurface {
         };
         let mut pair_of = HashMap::new();
         for (&nodes, corners) in &patches {
+            let [a, b] = nodes.map(|node| mesh.positions()[node as usize]);
             for (patch, (vector, area)) in corners.sums() {
                 pair_of.insert((nodes, patch), surface.pairs.len() as u32);
-                surface
-                    .pairs
-                    .push(JointPair::of_facets(nodes, vector, area));
+                let pair = JointPair::of_facets(nodes, vector, area);
+                surface.pairs.push(pair.with_position((a + b) * 0.5));
             }
-            let [a, b] = nodes.map(|node| mesh.positions()[node as usize]);
             let gap = (b - a).norm();
             if gap >= surface.worst_gap {
                 surface.worst_gap = gap;
@@ -168,13 +167,13 @@ impl JointSurface {
                         let (one, of) = &mut kept[place];
                         let vector = |pair: &JointPair| pair.normal * pair.projected_area;
                         let (sum, area) = (vector(one) + vector(pair), one.area + pair.area);
-                        *one = JointPair::of_facets(nodes, sum, area);
+                        *one = JointPair::of_facets(nodes, sum, area).with_position(one.position);
                         of.push(pair.nodes);
                         place
                     }
                     None => {
                         same.push(kept.len());
-                        kept.push((JointPair { nodes, ..*pair }, vec![pair.nodes]));
+                        kept.push((pair.with_nodes(nodes), vec![pair.nodes]));
                         kept.len() - 1
                     }
                 }

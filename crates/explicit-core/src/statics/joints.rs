@@ -1,6 +1,6 @@
 //! Joints and ties in statics: what holds together is one, as long as its law admits it.
 
-use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, Vec3};
+use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, StepTime, Vec3};
 
 use super::{Parts, StaticError};
 use crate::Model;
@@ -140,7 +140,11 @@ impl Model {
         velocity: &mut [Vec3],
         inverse: &[Mat3],
     ) -> Result<(), StaticError> {
-        let when = (self.number, self.time, step);
+        let when = StepTime {
+            number: self.number,
+            time: self.time,
+            step,
+        };
         let mut constraints = core::mem::take(&mut self.constraints);
         let corrected = constraints.iter_mut().try_for_each(|bound| {
             let nodes = bound.nodes().iter();
