@@ -146,6 +146,8 @@ pub enum JointQuantity {
     Bond,
     /// Lost where sides met (J).
     Impact,
+    /// Means over the area of the history variables of the joint's law, by their names.
+    History,
 }
 
 /// Histories of a joint, or of the pairs that at most one of `at`, `node`, `set` and `low` with `high`

@@ -257,6 +257,7 @@ fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<Jo
                 friction: has(JointQuantity::Friction),
                 bond: has(JointQuantity::Bond),
                 impact: has(JointQuantity::Impact),
+                history: has(JointQuantity::History),
             }
         }
     };
