@@ -126,14 +126,14 @@ impl JointSurface {
         if surface.pairs.is_empty() {
             return Err(ContactError::Empty);
         }
-        for (place, (facet, own)) in first.iter().zip(&own).enumerate() {
+        for (index, (facet, own)) in first.iter().zip(&own).enumerate() {
             let pairs = own
                 .nodes
                 .iter()
-                .zip(&partners[place].corners)
+                .zip(&partners[index].corners)
                 .map(|(&node, &corner)| {
-                    let nodes = [node, other[partners[place].facet].nodes[corner]];
-                    let patch = patches.get(&nodes)?.patch_of(place)?;
+                    let nodes = [node, other[partners[index].facet].nodes[corner]];
+                    let patch = patches.get(&nodes)?.patch_of(index)?;
                     pair_of.get(&(nodes, patch)).copied()
                 });
             surface.facets.push(JointFacet {
@@ -254,11 +254,11 @@ fn partners(
     // Cells as wide as the tolerance: whatever is close enough lies in one of 27.
     let cell = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x / tolerance).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    for (place, candidate) in candidates.iter().enumerate() {
+    for (index, candidate) in candidates.iter().enumerate() {
         cells
             .entry(cell(&candidate.centroid))
             .or_default()
-            .push(place);
+            .push(index);
     }
     let mut partners = Vec::with_capacity(own.len());
     let mut worst: Option<ContactError> = None;
@@ -267,10 +267,10 @@ fn partners(
         let near = neighbours(cell(&geometry.centroid))
             .filter_map(|c| cells.get(&c))
             .flatten();
-        let found = near.copied().find_map(|place| {
-            let corners = corners(mesh, geometry, &candidates[place], tolerance)?;
+        let found = near.copied().find_map(|index| {
+            let corners = corners(mesh, geometry, &candidates[index], tolerance)?;
             Some(Partner {
-                facet: place,
+                facet: index,
                 corners,
             })
         });
@@ -278,7 +278,7 @@ fn partners(
             partners.push(partner);
             continue;
         }
-        let distance = |place: &usize| (candidates[*place].centroid - geometry.centroid).norm();
+        let distance = |index: &usize| (candidates[*index].centroid - geometry.centroid).norm();
         let nearest = (0..candidates.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let Some(nearest) = nearest else {
             return Err(ContactError::Empty);
@@ -357,7 +357,7 @@ fn patches(
     angle: f64,
 ) -> BTreeMap<[u32; 2], Corners> {
     let mut all: BTreeMap<[u32; 2], Corners> = BTreeMap::new();
-    for (place, (facet, partner)) in own.iter().zip(partners).enumerate() {
+    for (index, (facet, partner)) in own.iter().zip(partners).enumerate() {
         let opposite = &other[partner.facet];
         for (corner, &facing) in partner.corners.iter().enumerate() {
             let nodes = [facet.nodes[corner], opposite.nodes[facing]];
@@ -368,7 +368,7 @@ fn patches(
             let area = (facet.areas[corner] + opposite.areas[facing]) * 0.5;
             let corners = all.entry(nodes).or_default();
             corners.patch.push(corners.facets.len());
-            corners.facets.push((place, facet.normal(), vector, area));
+            corners.facets.push((index, facet.normal(), vector, area));
         }
     }
     // Rounding does not separate facets at the very angle.

@@ -312,7 +312,7 @@ mod tests {
         masses.iter().map(|&m| m * Mat3::identity()).collect()
     }
 
-    /// A mass of 2 kg whose dashpot stands at an angle.
+    /// A mass of 2 kg whose dashpot is at an angle.
     fn oblique() -> Mat3 {
         let normal = Vec3::new(1.0, 2.0, -0.5).normalize();
         2.0 * Mat3::identity() + 11.0 * normal * normal.transpose()
@@ -427,9 +427,9 @@ mod tests {
         assert_eq!(nodes.velocity, [moved; 2]);
     }
 
-    /// Two masses that meet lose `m1 m2 / (m1 + m2) (v1 - v2)^2 / 2`, and the loss is booked.
+    /// Two masses that meet lose `m1 m2 / (m1 + m2) (v1 - v2)^2 / 2`, and the loss is reported.
     #[test]
-    fn the_loss_of_an_impact_is_booked() {
+    fn the_loss_of_an_impact_is_reported() {
         let masses = isotropic(&[2.0, 6.0]);
         let mut nodes = Nodes::moving(&masses);
         nodes.displacement[1] = nodes.displacement[0];

@@ -4,6 +4,7 @@ mod connected;
 mod corners;
 mod extremes;
 mod friction;
+mod history;
 mod impact;
 mod pairs;
 
