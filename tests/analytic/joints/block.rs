@@ -68,6 +68,7 @@ impl<L: ContactLaw> Block<L> {
             step: self.step,
         };
         let masses = [Mat3::zeros(), inverse];
+        self.joint.prepare(self.step, &masses);
         let motion = PredictedMotion::new(when, &here, &previous, &mut velocity, &masses);
         self.work += self.joint.correct(motion).unwrap();
         assert_eq!(

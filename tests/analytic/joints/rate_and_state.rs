@@ -156,7 +156,7 @@ fn friction_follows_velocity_steps() {
             );
             let mut slip = block.record().state.slip - start;
             assert!((slip / (rate * STEP) - 1.0).abs() < 1e-4);
-            while slip < 20.0 * LAW.slip {
+            while slip < 14.0 * LAW.slip {
                 block.drive(rate, PRESSING);
                 // The state at the start of the step.
                 let decayed = 1.0 + (ratio - 1.0) * (-slip / LAW.slip).exp();

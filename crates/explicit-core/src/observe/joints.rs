@@ -282,7 +282,7 @@ impl JointWatch {
     /// History variables that it records.
     fn variables<'v>(&self, joints: &'v [JointView<'v>]) -> &'v [HistoryVariable] {
         let joint = self.joint(joints).filter(|_| self.quantities.history);
-        joint.map_or(&[], |joint| joint.variables)
+        joint.map_or(&[][..], |joint| joint.variables)
     }
 
     /// Value of a history variable, by its index: the mean over the area; of flags, all that a pair has.
@@ -347,7 +347,7 @@ impl JointWatch {
         let row = wanted.filter_map(|(wanted, value)| wanted.then_some(value));
         let variables = 0..self.variables(joints).len();
         let joint = self.joint(joints).into_iter();
-        let history = joint.flat_map(|j| variables.clone().map(|v| self.history_value(j, v)));
+        let history = joint.flat_map(|j| variables.clone().map(move |v| self.history_value(j, v)));
         let row: Vec<f64> = row.chain(history).collect();
         let outcome = JointOutcome {
             name: self.name.clone(),
