@@ -312,9 +312,11 @@ impl<'a> JointResponses<'a> {
 /// dilation angle `psi`; the second always, where pairs share no nodes. Work of the opening against the
 /// pressure counts into friction, which is then the net dissipation `tau v - sigma_n v tan(psi)`.
 ///
-/// # Names of history variables
-/// They stand beside the joint's own quantities in results, and must not be `state`, `bond`, `opening`
-/// or `slip`.
+/// # History
+/// History variables are committed with the pair's record once per step, and kept by stages and checkpoints.
+/// A stage in which the joint is tied, or has another law, does not keep them: they are initial after it.
+/// Results show them beside the joint's own quantities; their names must not be `state`, `bond`, `opening` or
+/// `slip`.
 pub trait ContactLaw: Send + Sync {
     /// Name of the law in reports.
     fn name(&self) -> &str;
@@ -520,12 +522,12 @@ mod tests {
         let mut responses = JointResponses::new(&mut tractions, &mut states);
         responses = responses.with_history(&mut new, &mut dilations);
         Adding.admit(&inputs, &mut responses);
-        for pair in 0..2 {
+        for (pair, &dilation) in dilations.iter().enumerate() {
             let sum = (pair + 1) as f64 * 11_111_110.011 + 0.75;
-            assert!((dilations[pair] - sum).abs() < 1e-8, "{}", dilations[pair]);
+            assert!((dilation - sum).abs() < 1e-8, "{dilation}");
             let [first, second] = [history[2 * pair], history[2 * pair + 1]];
-            assert_eq!(tractions[pair], Vec3::new(dilations[pair], first, second));
-            assert_eq!(new[2 * pair], first + dilations[pair]);
+            assert_eq!(tractions[pair], Vec3::new(dilation, first, second));
+            assert_eq!(new[2 * pair], first + dilation);
             assert_eq!(new[2 * pair + 1], second);
         }
         let bare = JointInputs::default();
