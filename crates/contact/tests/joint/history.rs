@@ -74,7 +74,7 @@ fn shaken(bodies: &mut Bodies, joint: &mut Joint<Counting>, noise: &mut Noise, s
         let forces: Vec<Vec3> = (0..bodies.mass.len())
             .map(|_| noise.vector() * 40.0)
             .collect();
-        let pressed = |body: usize| Vec3::z() * if body % 2 == 0 { 30.0 } else { -30.0 };
+        let pressed = |body: usize| Vec3::z() * if body.is_multiple_of(2) { 30.0 } else { -30.0 };
         bodies
             .step(joint, |body| pressed(body) + forces[body])
             .unwrap();
