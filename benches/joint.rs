@@ -13,7 +13,9 @@ use powerhouse::engine::{
     BlockOptions, Hex8OnePoint, Leapfrog, Model, RunOptions, SolidKernel, StepChoice, run,
 };
 use powerhouse::material::{LinearElastic, media};
-use powerhouse::model::{Constraint, ContactLaw, JointPair, Mat3, Mesh, PredictedMotion, Vec3};
+use powerhouse::model::{
+    Constraint, ContactLaw, JointPair, Mat3, Mesh, PredictedMotion, StepTime, Vec3,
+};
 
 const PAIRS: u32 = 20_000;
 
@@ -39,7 +41,11 @@ fn pairs(criterion: &mut Criterion) {
         group.bench_function(name, |bench| {
             bench.iter(|| {
                 velocity.copy_from_slice(&predicted);
-                let when = (0, 0.0, step);
+                let when = StepTime {
+                    number: 0,
+                    time: 0.0,
+                    step,
+                };
                 let motion = PredictedMotion::new(when, &rest, &rest, &mut velocity, &inverse_mass);
                 joint.correct(motion).expect("a solution")
             });

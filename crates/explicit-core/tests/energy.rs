@@ -143,15 +143,12 @@ impl Constraint for Glue {
         let before = motion.previous[1] - motion.previous[0];
         let after = motion.velocity[1] - motion.velocity[0];
         let impact = 0.5 * impulse.dot(&(before + after));
-        Ok(ConstraintWork {
-            impact: impact * self.wrong,
-            ..ConstraintWork::default()
-        })
+        Ok(ConstraintWork::default().with_impact(impact * self.wrong))
     }
 }
 
-/// Two bodies that meet and stay together lose what their constraint books as impact; if it books
-/// wrongly, the run is stopped.
+/// Two bodies that meet and stay together lose what their constraint reports as impact; if it reports
+/// a wrong loss, the run is stopped.
 #[test]
 fn the_loss_of_an_impact_is_booked() {
     let mesh = hex_box([3, 2, 2], 1.0, 0.2);

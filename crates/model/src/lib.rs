@@ -20,6 +20,7 @@
 
 mod boundary;
 mod constraint;
+mod contact_law;
 mod elastic_domain;
 mod element;
 mod engine;
@@ -34,6 +35,7 @@ mod medium;
 mod mesh;
 mod nodal;
 mod state;
+mod step_time;
 mod tensor;
 
 pub use boundary::{
@@ -41,6 +43,7 @@ pub use boundary::{
     SiteFace, SiteNode,
 };
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
+pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};
 pub use elastic_domain::ElasticDomain;
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
@@ -54,8 +57,7 @@ pub use error::{ModelError, ParameterError, RunError};
 pub use extents::Extents;
 pub use field::{FieldMotion, FieldSampler, IncidentField};
 pub use joint::{
-    Bond, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView,
-    Renewal,
+    Bond, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView, Renewal,
 };
 pub use lane::{Lane, Scalar, array, each};
 pub use law::{
@@ -70,6 +72,7 @@ pub use mesh::{
 };
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use state::{Cast, HistoryField, State};
+pub use step_time::StepTime;
 pub use tensor::{Principal, Strain, Stress};
 
 /// A vector in space: position (m), displacement (m), velocity (m/s) or force (N).

@@ -2,9 +2,12 @@
 
 mod at_rest;
 mod bars;
+mod block;
 mod bonded;
 mod crack;
+mod dilatant;
 mod friction;
+mod rate_and_state;
 
 use std::sync::{Arc, Mutex};
 

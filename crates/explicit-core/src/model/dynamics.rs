@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     BlockContext, Dynamics, ElementBlock, ElementFault, ForceTerms, MassDampingRule,
-    PredictedMotion, Quad, RunError, Vec3,
+    PredictedMotion, Quad, RunError, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
@@ -216,7 +216,11 @@ impl Model {
                 bound.predicted.extend_from_slice(motion.next);
             }
             let work = bound.constraint.correct(PredictedMotion::new(
-                (self.number, self.time, step),
+                StepTime {
+                    number: self.number,
+                    time: self.time,
+                    step,
+                },
                 motion.displacement,
                 motion.previous,
                 motion.next,

@@ -1,6 +1,6 @@
 //! Joints and ties in static solutions: pairs that stick are tied, as long as their law admits the tractions.
 
-use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, Vec3};
+use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, StepTime, Vec3};
 
 use super::{DisjointSets, StaticError};
 use crate::Model;
@@ -143,7 +143,11 @@ impl Model {
         velocity: &mut [Vec3],
         inverse: &[Mat3],
     ) -> Result<(), StaticError> {
-        let when = (self.number, self.time, step);
+        let when = StepTime {
+            number: self.number,
+            time: self.time,
+            step,
+        };
         let mut constraints = core::mem::take(&mut self.constraints);
         let corrected = constraints.iter_mut().try_for_each(|bound| {
             let nodes = bound.nodes().iter();

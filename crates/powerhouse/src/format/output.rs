@@ -144,6 +144,8 @@ pub enum JointQuantity {
     Bond,
     /// Kinetic energy lost by impact of the two sides up to the current time (J).
     Impact,
+    /// Means over the area of the history variables of the joint's law, by their names.
+    History,
 }
 
 /// Joint history request: quantities against time of a joint, or of the node pairs selected by one of `at`,

@@ -51,7 +51,7 @@ impl StageFiles {
             let end = file(&format!("-{}.vtu", file_name(joint)));
             let facets = JointFacets::new(&end, stage.mesh, surface, Some(&present))?;
             if let (Some(state), Some(facets)) = (of_name, facets) {
-                let fields = facets.fields(&surface.pairs, &state.records);
+                let fields = facets.fields_of_stage(&surface.pairs, state);
                 let time = (stage.index + 1) as f64;
                 facets.writer.write(&end, time, &scalars(&fields), &[])?;
             }

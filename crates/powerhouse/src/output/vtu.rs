@@ -105,7 +105,8 @@ impl SnapshotSink for SnapshotFiles {
         let mut joints: Vec<(String, &VtuWriter, JointFields)> = Vec::new();
         for (name, facets) in &self.joints {
             if let Some(view) = shot.joints.iter().find(|joint| joint.name == name) {
-                let fields = facets.fields(view.pairs, view.records);
+                let fields =
+                    facets.fields((view.pairs, view.records), (view.variables, view.history));
                 joints.push((file_name(name), &facets.writer, fields));
             }
         }

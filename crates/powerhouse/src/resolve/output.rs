@@ -261,6 +261,7 @@ fn joint(
                 friction: has(JointQuantity::Friction),
                 bond: has(JointQuantity::Bond),
                 impact: has(JointQuantity::Impact),
+                history: has(JointQuantity::History),
             }
         }
     };

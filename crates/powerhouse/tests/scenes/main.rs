@@ -5,6 +5,7 @@ mod crack_bands;
 mod damping;
 mod grouting;
 mod hourglass;
+mod joint_history;
 mod joint_output;
 mod joint_starts;
 mod joints;
