@@ -64,10 +64,8 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
         })
         .flatten()
         .collect();
-    let output = OutputPlan {
-        every: 1e-3,
-        ..OutputPlan::default()
-    };
+    let output = OutputPlan::default()
+.with_every(1e-3);
     let scene = Scene::new("absorbing box", mesh)
         .part(Part::new(
             "rock",

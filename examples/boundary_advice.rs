@@ -82,10 +82,8 @@ const MOTION: Motion = Motion {
 
 /// The motion of some places at every step.
 fn output(places: &[(&str, Spot)], wanted: Motion) -> OutputPlan {
-    let every_step = OutputPlan {
-        every: f64::MIN_POSITIVE,
-        ..OutputPlan::default()
-    };
+    let every_step = OutputPlan::default()
+.with_every(f64::MIN_POSITIVE);
     let places = places.iter().cloned();
     places.fold(every_step, |output, (name, spot)| {
         output.history(name, spot, wanted)

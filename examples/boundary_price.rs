@@ -143,10 +143,8 @@ fn drift(speed_ratio: Option<f64>, precision: Precision, steps: usize) -> Outcom
     };
     let force = Vec3::new(0.0, 0.0, -1.0e6);
     let step = 5.0e-4;
-    let output = OutputPlan {
-        every: 4.0 * step,
-        ..OutputPlan::default()
-    };
+    let output = OutputPlan::default()
+.with_every(4.0 * step);
     let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).scatterer(middle);
     let results = scene
         .boundary(boundary)

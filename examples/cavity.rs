@@ -170,10 +170,8 @@ impl CavityModel {
         let sample = unit / SAMPLES as f64;
         // An S wave passes the farthest corner this early.
         let ahead = (self.height + self.half_width * sine).ceil();
-        let mut output = OutputPlan {
-            every: sample,
-            ..OutputPlan::default()
-        };
+        let mut output = OutputPlan::default()
+.with_every(sample);
         for station in STATIONS {
             let place = Vec3::new(0.1 * RADIUS * f64::from(station), 0.0, 0.0);
             output = output.history(&format!("s{station}"), place, Motion::DISPLACEMENT);

@@ -76,7 +76,7 @@ fn staged(name: &str) -> Outcome<Scene> {
 fn rest(name: &str) -> Outcome<Cost> {
     let simulation = staged(name)?.prepare()?;
     let started = Instant::now();
-    let body = simulation.bring_to_rest(None, None)?;
+    let body = simulation.equilibrate(None, None)?;
     let time = started.elapsed().as_secs_f64();
     for stage in body.iter().flat_map(|body| body.stages()) {
         let solution = &stage.solution;
@@ -108,14 +108,9 @@ fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     folder.create()?;
     let mut simulation = scene.prepare()?;
     simulation.stable_step()?;
-    let notes = powerhouse::RunNotes {
-        remarks: simulation.remarks().to_vec(),
-        ..Default::default()
-    };
-    let hooks = RunHooks {
-        snapshots: Some(folder.snapshots(&simulation)?),
-        ..RunHooks::default()
-    };
+    let notes = powerhouse::RunNotes::new(simulation.remarks().to_vec());
+    let hooks = RunHooks::default()
+.with_snapshots(folder.snapshots(&simulation)?);
     let results = simulation.run(hooks)?;
     folder.write((&title, &mesh), &results, &notes, None)?;
     Ok(Cost {

@@ -165,10 +165,8 @@ impl Ground {
             Boundary::new(springs, faces)
         };
         let frames = Arc::new(Mutex::new(Frames::new()));
-        let hooks = RunHooks {
-            observers: vec![Box::new(Recorder(frames.clone()))],
-            ..RunHooks::default()
-        };
+        let hooks = RunHooks::default()
+.with_observer(Recorder(frames.clone()));
         let results = Scene::new("domain reduction", self.mesh.clone())
             .part(self.part.clone())
             .boundary(boundary.scatterer(Vec3::new(0.5 * EDGE, 0.5 * EDGE, EDGE)))

@@ -51,11 +51,7 @@ impl AbsorbingBoundary for Dashpots {
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         let mut parts = BoundaryParts::default();
         for node in &site.nodes {
-            parts.impedance.push(NodalImpedance {
-                node: node.node,
-                spring: Mat3::zeros(),
-                dashpot: dashpot(node),
-            });
+            parts.impedance.push(NodalImpedance::new(node.node, Mat3::zeros(), dashpot(node)));
         }
         if let Some(field) = site.field {
             let points: Vec<Vec3> = site.nodes.iter().map(|node| node.position).collect();

@@ -160,10 +160,8 @@ fn shake(material: Material, amplitude: f64) -> Outcome<Results> {
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, medium, 0.0);
     parameters.reference = low;
     let pulse = RaisedCosinePulse::new(amplitude, 0.4)?;
-    let output = OutputPlan {
-        energies: Some(0.01),
-        ..OutputPlan::default()
-    };
+    let output = OutputPlan::default()
+.with_energies(0.01);
     let top = Vec3::new(0.5, 0.5, 0.0);
     let output = output
         .history("top", top, Motion::DISPLACEMENT)

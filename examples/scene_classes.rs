@@ -164,12 +164,8 @@ impl Class {
         let top = mesh.nodes_in_box(&centre, &centre);
         let mut output = OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT);
         if self == Self::Watched {
-            output.envelope = Some(EnvelopeRequest {
-                motion: Motion::ALL,
-                stress: true,
-                sets: Vec::new(),
-                every: STEP,
-            });
+            output.envelope = Some(EnvelopeRequest::new(STEP)
+.with_stress(true));
         }
         let mut scene = Scene::new("class", mesh)
             .part(Part::new("rock", self.material()?).damping(self.damping()?))
@@ -204,13 +200,10 @@ impl Class {
     /// (bytes).
     fn run(self, cells: usize) -> Outcome<[f64; 2]> {
         let (told, times) = std::sync::mpsc::channel();
-        let hooks = RunHooks {
-            // Whoever listens no longer has failed, and says so.
-            progress: Some(Box::new(move |_| {
-                let _ = told.send(Instant::now());
-            })),
-            ..RunHooks::default()
-        };
+        // Whoever listens no longer has failed, and says so.
+        let hooks = RunHooks::default().with_progress(move |_| {
+            let _ = told.send(Instant::now());
+        });
         self.scene(cells)?.prepare()?.run(hooks)?;
         let times: Vec<Instant> = times.iter().collect();
         let rows = times.windows(ROW + 1);

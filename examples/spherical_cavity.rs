@@ -153,10 +153,8 @@ fn motion(far: f64, division: Division, outside: &Outside) -> Outcome<HistoryTab
             normal,
         ));
     }
-    let output = OutputPlan {
-        every: 1.0e-4,
-        ..OutputPlan::default()
-    }
+    let output = OutputPlan::default()
+.with_every(1.0e-4)
     .history("wall", Vec3::new(CAVITY, 0.0, 0.0), Motion::DISPLACEMENT)
     .history("outside", Vec3::new(far, 0.0, 0.0), Motion::DISPLACEMENT);
     let scene = Scene::new("spherical cavity", mesh)

@@ -178,10 +178,8 @@ impl Arriving {
             shakers.push(NodalForce::new(vec![node], force, Box::new(history)));
         }
         // Every step is recorded.
-        let mut output = OutputPlan {
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        let mut output = OutputPlan::default()
+.with_every(f64::MIN_POSITIVE);
         for (name, row) in [("near", FIRST_ROW), ("far", self.second_row())] {
             let z = -(row as f64) * brick;
             let quarter = Vec3::new(0.25 * width, 0.0, z);

@@ -68,10 +68,7 @@ impl Group {
     /// What mass and mass damping make of `A`, and of the factor of the old velocity (kg).
     pub(crate) fn effective_mass(&self, rule: MassDampingRule, step: f64) -> (f64, f64) {
         let damping = self.mass_damping * step;
-        match rule {
-            MassDampingRule::Implicit => (self.mass + 0.5 * damping, self.mass - 0.5 * damping),
-            MassDampingRule::Lagged => (self.mass, self.mass - damping),
-        }
+        rule.effective_mass(self.mass, damping)
     }
 
     /// What constraints find in place of [`Coefficients::inverse`] if the group has lost its elements: next

@@ -1,14 +1,36 @@
 //! Time integration and observation.
 
-use crate::{JointView, ModelError, RunError, Stress, Vec3};
+use crate::{JointView, ModelError, ParameterError, RunError, Stress, Vec3};
 
 /// How mass-proportional damping enters a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MassDampingRule {
     /// On the mean of the old and new velocity, solved for in the nodal diagonal.
     Implicit,
     /// On the old velocity.
     Lagged,
+}
+
+impl MassDampingRule {
+    /// Coefficients (kg) of the new and of the old velocity in the momentum balance of a node with a mass (kg)
+    /// and a mass damping coefficient times the step (kg).
+    #[inline]
+    pub fn effective_mass(self, mass: f64, damping: f64) -> (f64, f64) {
+        match self {
+            Self::Implicit => (mass + 0.5 * damping, mass - 0.5 * damping),
+            Self::Lagged => (mass, mass - damping),
+        }
+    }
+    /// The velocity to which the damping force is proportional: of the old one and the mean of the old and
+    /// the new one.
+    #[inline]
+    pub fn damped_velocity<V>(self, old: V, mean: V) -> V {
+        match self {
+            Self::Implicit => mean,
+            Self::Lagged => old,
+        }
+    }
 }
 
 /// Which forces an integrator wants.
@@ -149,8 +171,9 @@ pub trait TimeIntegrator: Send + Sync {
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError>;
 }
 
-/// Which fields an observer reads; an engine prepares no others.
+/// Fields that an observer reads beside displacement and velocity; an engine prepares no others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Fields {
     /// Accelerations.
     pub acceleration: bool,
@@ -160,13 +183,62 @@ pub struct Fields {
     pub energy: bool,
 }
 
-/// When an observer is called.
+impl Fields {
+    /// The same with or without accelerations.
+    #[must_use]
+    pub fn with_acceleration(mut self, read: bool) -> Self {
+        self.acceleration = read;
+        self
+    }
+    /// The same with or without element stresses.
+    #[must_use]
+    pub fn with_stress(mut self, read: bool) -> Self {
+        self.stress = read;
+        self
+    }
+    /// The same with or without the energy ledger.
+    #[must_use]
+    pub fn with_energy(mut self, read: bool) -> Self {
+        self.energy = read;
+        self
+    }
+}
+
+/// Interval at which an observer is called.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Cadence {
     /// Every so many steps, the first included.
     Steps(u64),
     /// At the first step at or past every multiple of a time (s).
     Seconds(f64),
+}
+
+impl Cadence {
+    /// Accepts an interval of at least one step, or of a positive time.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for `cadence`.
+    pub fn check(self) -> Result<(), ParameterError> {
+        match self {
+            Self::Steps(steps) => ParameterError::check("cadence", steps as f64, 1.0, f64::MAX),
+            Self::Seconds(time) => {
+                ParameterError::check("cadence", time, f64::MIN_POSITIVE, f64::MAX)
+            }
+        }
+    }
+    /// Whether an observer is called at a step of a number, a time (s) and a length (s). Times count as
+    /// reached a millionth of a step early.
+    pub fn is_due(self, number: u64, time: f64, step: f64) -> bool {
+        match self {
+            Self::Steps(every) => number.is_multiple_of(every.max(1)),
+            Self::Seconds(interval) if interval > step => {
+                let multiple = |t: f64| ((t + 1e-6 * step) / interval).floor();
+                number == 0 || multiple(time) > multiple(time - step)
+            }
+            Self::Seconds(_) => true,
+        }
+    }
 }
 
 /// Whether a run goes on.

@@ -36,6 +36,7 @@ pub struct Doubt {
 
 /// What the files of a run say beside its results.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct RunNotes {
     /// What was found while the scene was composed.
     pub remarks: Vec<Remark>,
@@ -44,6 +45,17 @@ pub struct RunNotes {
 }
 
 impl RunNotes {
+    /// Notes of a run with the remarks of its scene.
+    pub fn new(remarks: Vec<Remark>) -> Self {
+        let warnings = Vec::new();
+        Self { remarks, warnings }
+    }
+    /// The same with warnings that were found otherwise.
+    #[must_use]
+    pub fn with_warnings(mut self, warnings: Vec<Doubt>) -> Self {
+        self.warnings = warnings;
+        self
+    }
     /// Doubts about a topic.
     pub(crate) fn about(&self, topic: Topic) -> Vec<String> {
         let doubts = self.doubts(&[]).into_iter();

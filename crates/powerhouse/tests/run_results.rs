@@ -34,10 +34,8 @@ fn cube() -> Scene {
         .field(PlaneWave::new(parameters, pulse).unwrap())
         .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(top))
         .duration(0.3)
-        .output(OutputPlan {
-            energies: Some(0.01),
-            ..OutputPlan::default().history("top", top, Motion::ALL)
-        })
+        .output(OutputPlan::default().history("top", top, Motion::ALL)
+.with_energies(0.01))
 }
 
 fn run(scene: Scene) -> Result<Results, Error> {
@@ -139,10 +137,8 @@ fn a_failed_run_keeps_what_it_recorded() {
     let folder = Folder::new("failed");
     let simulation = cube().prepare().unwrap();
     let mesh = simulation.mesh().clone();
-    let hooks = RunHooks {
-        observers: vec![Box::new(Fails { at: 9 })],
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default()
+.with_observer(Fails { at: 9 });
     let Err(Error::Failed { error, results }) = simulation.run(hooks) else {
         panic!("the observer's failure went unheard")
     };
@@ -175,19 +171,14 @@ fn old_results_do_not_mix_with_new_ones() {
     let go = |snapshots: bool| {
         let mut scene = cube();
         let mut plan = scene.output_plan().clone();
-        plan.snapshots = snapshots.then_some(SnapshotRequest {
-            fields: Default::default(),
-            every: 0.1,
-        });
+        plan.snapshots = snapshots.then_some(SnapshotRequest::new(0.1));
         scene = scene.output(plan);
         let simulation = scene.prepare().unwrap();
         let mesh = simulation.mesh().clone();
         results_of.create().unwrap();
         results_of.clear().unwrap();
-        let hooks = RunHooks {
-            snapshots: Some(results_of.snapshots(&simulation).unwrap()),
-            ..RunHooks::default()
-        };
+        let hooks = RunHooks::default()
+.with_snapshots(results_of.snapshots(&simulation).unwrap());
         let results = simulation.run(hooks).unwrap();
         let files = results_of.write(("cube", &mesh), &results, &RunNotes::default(), None);
         files.unwrap().contains(&folder.0.join("snapshots.pvd"))
@@ -304,10 +295,7 @@ fn sections_through_tetrahedra_are_doubted() {
             .duration(0.01)
             .output(plan);
         let simulation = scene.prepare().unwrap();
-        let notes = RunNotes {
-            remarks: simulation.remarks().to_vec(),
-            ..RunNotes::default()
-        };
+        let notes = RunNotes::new(simulation.remarks().to_vec());
         let told = notes.remarks.iter().filter(|remark| remark.is_warning());
         let told: Vec<String> = told.map(ToString::to_string).collect();
         let says = |text: &str| {

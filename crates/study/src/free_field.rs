@@ -119,11 +119,8 @@ impl FreeFieldCheck {
         let (start, duration) = (scene.start_time(), scene.run_duration());
         let window =
             window(sampler.as_ref(), start, duration).ok_or(StudyError::StillField { duration })?;
-        let mut output = OutputPlan {
-            // At every step.
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        // At every step.
+        let mut output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         let wanted = Motion {
             acceleration: false,
             ..Motion::ALL
@@ -184,25 +181,18 @@ impl FreeFieldCheck {
             points: self.points,
         };
         let (stop, mut progress) = (hooks.stop.clone(), hooks.progress);
-        let first = RunHooks {
-            progress: progress
-                .as_mut()
-                .map(|tell| -> ProgressHook { Box::new(|now: Progress| tell(now)) }),
-            stop: hooks.stop,
-            snapshots: hooks.snapshots,
-            stages: hooks.stages,
-            observers: hooks.observers,
-            ..RunHooks::default()
-        };
+        let mut first = RunHooks::default();
+        first.progress = progress
+            .as_mut()
+            .map(|tell| -> ProgressHook { Box::new(|now: Progress| tell(now)) });
+        (first.stop, first.snapshots) = (hooks.stop, hooks.snapshots);
+        (first.stages, first.observers) = (hooks.stages, hooks.observers);
         let (points, step, time) = compare.run(elastic, scene_step, first)?;
         let damped = match damped {
             None => None,
             Some(damped) => {
-                let hooks = RunHooks {
-                    progress,
-                    stop,
-                    ..RunHooks::default()
-                };
+                let mut hooks = RunHooks::default();
+                (hooks.progress, hooks.stop) = (progress, stop);
                 Some(compare.run(damped, scene_step, hooks)?.0)
             }
         };

@@ -193,7 +193,7 @@ pub(crate) fn of(
         stop: stop.clone(),
         seen: seen.clone(),
     };
-    match simulation.bring_to_rest(Some(&stop), Some(Box::new(watch))) {
+    match simulation.equilibrate(Some(&stop), Some(Box::new(watch))) {
         Ok(_) | Err(Error::Interrupted { .. }) => {}
         Err(error) => return Err(error.into()),
     }

@@ -293,7 +293,7 @@ fn short_stages_are_known_not_predicted() {
                     .options(StaticOptions::default().with_increments(2)),
             )
     };
-    let body = staged().prepare().unwrap().bring_to_rest(None, None);
+    let body = staged().prepare().unwrap().equilibrate(None, None);
     let body = body.unwrap().unwrap();
     let corrections: u32 = (body.stages().iter())
         .map(|stage| stage.solution.corrections)

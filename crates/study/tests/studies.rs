@@ -296,10 +296,7 @@ fn costs_of_any_plan_are_numbers() {
         let mut plan =
             OutputPlan::default().history("top", Vec3::new(150.0, 150.0, 0.0), Motion::ALL);
         plan.every = every;
-        plan.snapshots = Some(SnapshotRequest {
-            fields: Default::default(),
-            every: snapshots,
-        });
+        plan.snapshots = Some(SnapshotRequest::new(snapshots));
         check(scene(4, &SIDES).output(plan)).unwrap().cost
     };
     let (each, tiny) = (cost(1e-9, 0.1), cost(f64::MIN_POSITIVE, 0.1));

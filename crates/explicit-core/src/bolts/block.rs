@@ -142,12 +142,8 @@ impl BoltBlock {
 
     /// A field of so many numbers per segment.
     fn field(&self, name: &str, points: usize, values: Vec<f64>) -> HistoryField {
-        HistoryField {
-            name: format!("{}/{name}", self.name),
-            elements: (0..self.segment_count() as u32).collect(),
-            points,
-            values,
-        }
+        let segments = (0..self.segment_count() as u32).collect();
+        HistoryField::new(format!("{}/{name}", self.name), segments, points, values)
     }
 
     /// The values of a field of an earlier state, if it is of these bolts.

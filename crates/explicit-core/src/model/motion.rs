@@ -223,24 +223,23 @@ impl Model {
         if standing.iter().any(|force| *force != Vec3::zeros()) {
             forces = engines().map(|engine| standing[engine]).collect();
         }
-        State {
-            time: self.time,
-            step: self.number,
-            displacement: engines()
-                .map(|engine| self.displacement_of(engine))
-                .collect(),
-            velocity: engines().map(|engine| self.velocity_of(engine)).collect(),
-            stage_start: self.stage_start.clone(),
-            initial_stress: self.initial_stress.clone(),
-            absent: self.absent.clone(),
-            casts: self.casts.clone(),
-            standing: forces,
-            history: merged(self.blocks.iter().map(|b| (b.label(), b.history()))),
-            joints: self
-                .joints()
-                .map(|joint| JointHistory::from(&joint))
-                .collect(),
-        }
+        let mut state = State::default();
+        (state.time, state.step) = (self.time, self.number);
+        state.displacement = engines()
+            .map(|engine| self.displacement_of(engine))
+            .collect();
+        state.velocity = engines().map(|engine| self.velocity_of(engine)).collect();
+        state.stage_start.clone_from(&self.stage_start);
+        state.initial_stress.clone_from(&self.initial_stress);
+        state.absent.clone_from(&self.absent);
+        state.casts.clone_from(&self.casts);
+        state.standing = forces;
+        state.history = merged(self.blocks.iter().map(|b| (b.label(), b.history())));
+        state.joints = self
+            .joints()
+            .map(|joint| JointHistory::from(&joint))
+            .collect();
+        state
     }
 
     /// Goes on from a state. A run that is continued from the state of another one has the same
@@ -419,12 +418,8 @@ fn own_fields(
 ) -> Vec<HistoryField> {
     let mut own = Vec::new();
     for (field, places) in fields.iter().zip(places) {
-        let mut part = HistoryField {
-            name: field.name.clone(),
-            elements: Vec::new(),
-            points: field.points,
-            values: Vec::new(),
-        };
+        let mut part =
+            HistoryField::new(field.name.as_str(), Vec::new(), field.points, Vec::new());
         for &element in elements {
             let place = places.get(element as usize).copied().flatten();
             let values = place.and_then(|place| {

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::preset::Preset;
-use super::{KeysError, elastic_medium, missing, placed, refused};
+use super::{ElasticKeys, KeysError, elastic_medium, missing, placed, refused};
 use crate::format::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
 
@@ -173,7 +173,11 @@ macro_rules! frictional_keys {
             ) -> Result<$crate::builtin_laws::frictional::Frictional, powerhouse_model::ModelError> {
                 $crate::builtin_laws::frictional::FrictionalKeys {
                     preset: self.preset,
-                    elastic: (self.young, self.poisson, self.density),
+                    elastic: $crate::builtin_laws::ElasticKeys {
+                        young: self.young,
+                        poisson: self.poisson,
+                        density: self.density,
+                    },
                     angles: [self.friction, self.dilation],
                     cohesion: self.cohesion,
                     tensile_strength: self.tensile_strength,
@@ -190,7 +194,7 @@ pub(super) use frictional_keys;
 pub(super) struct FrictionalKeys {
     pub(super) preset: Option<Preset>,
     /// Young's modulus, Poisson's ratio, density.
-    pub(super) elastic: (Option<Positive>, Option<PoissonRatio>, Option<Positive>),
+    pub(super) elastic: ElasticKeys,
     /// Of friction and dilation.
     pub(super) angles: [Option<NonNegative>; 2],
     pub(super) cohesion: Option<NonNegative>,

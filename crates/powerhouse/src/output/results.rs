@@ -34,8 +34,9 @@ pub struct EnergyResidual {
     pub largest: f64,
 }
 
-/// What a run has given.
+/// Recorded output and reports of a run.
 #[derive(Clone)]
+#[non_exhaustive]
 pub struct Results {
     /// Steps, step, end.
     pub run: RunReport,
@@ -207,6 +208,16 @@ pub(crate) struct Recordings {
     present: Option<Vec<bool>>,
 }
 
+/// Reports of a run beside its recordings.
+pub(crate) struct FinishedRun {
+    pub(crate) run: RunReport,
+    pub(crate) wall_time: Duration,
+    /// Number of snapshots that the run's sink took.
+    pub(crate) snapshots: u64,
+    /// Bolts with their forces at the end.
+    pub(crate) bolts: Vec<BoltForces>,
+}
+
 impl Recordings {
     /// The observers of a plan for a body of the elements that are present (all if none are said), and where
     /// they put what they see.
@@ -326,12 +337,14 @@ impl Recordings {
         self.present.as_deref()
     }
 
-    /// All that was recorded; bolts come with their forces at the end.
-    pub(crate) fn finish(
-        self,
-        (run, wall_time, snapshots): (RunReport, Duration, u64),
-        mut bolts: Vec<BoltForces>,
-    ) -> Results {
+    /// The results of a run that is over.
+    pub(crate) fn finish(self, finished: FinishedRun) -> Results {
+        let FinishedRun {
+            run,
+            wall_time,
+            snapshots,
+            mut bolts,
+        } = finished;
         let table = |recording: Option<Recording<HistoryTable>>| {
             recording.map(|r| r.copy()).unwrap_or_default()
         };

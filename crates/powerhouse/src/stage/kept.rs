@@ -211,6 +211,25 @@ macro_rules! kept_fields {
         }
     };
 }
+/// Structures that may get further fields; a test compares the lists with the fields that they have.
+macro_rules! kept_open_fields {
+    ($name:ident { $($field:ident),+ $(,)? }) => {
+        impl Kept for $name {
+            fn put(&self, out: &mut Vec<u8>) {
+                $(self.$field.put(out);)+
+            }
+            fn get(from: &mut &[u8]) -> Option<Self> {
+                let mut read = Self::default();
+                $(read.$field = Kept::get(from)?;)+
+                Some(read)
+            }
+        }
+        #[cfg(test)]
+        impl KeptFields for $name {
+            const KEPT: &'static [&'static str] = &[$(stringify!($field)),+];
+        }
+    };
+}
 kept_fields!(JointState {
     contact,
     bond,
@@ -234,7 +253,7 @@ kept_fields!(JointHistory {
     nodes,
     records
 });
-kept_fields!(HistoryField {
+kept_open_fields!(HistoryField {
     name,
     elements,
     points,
@@ -244,7 +263,7 @@ kept_fields!(Cast {
     elements,
     displacement
 });
-kept_fields!(State {
+kept_open_fields!(State {
     time,
     step,
     displacement,
@@ -282,3 +301,28 @@ kept_fields!(HourglassShare {
     internal,
 });
 kept_fields!(EquilibratedBody { state, stages });
+
+/// The fields of a structure that a file holds.
+#[cfg(test)]
+trait KeptFields: Default + core::fmt::Debug {
+    const KEPT: &'static [&'static str];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file holds every field of a structure: no field that a structure gets later is forgotten.
+    #[test]
+    fn no_field_is_forgotten() {
+        fn check<T: KeptFields>() {
+            let shown = format!("{:#?}", T::default());
+            let lines = shown.lines().filter_map(|line| line.strip_prefix("    "));
+            let fields = lines.filter(|line| line.starts_with(|first: char| first.is_alphabetic()));
+            let fields: Vec<&str> = fields.filter_map(|line| line.split(':').next()).collect();
+            assert_eq!(fields, T::KEPT);
+        }
+        check::<State>();
+        check::<HistoryField>();
+    }
+}

@@ -390,7 +390,7 @@ fn grouting_is_carried_over() {
     let folder = Folder::new("grouting");
     let file = folder.0.join("rest.body");
     let body = blocks.scene(plan(true), None).prepare().unwrap();
-    let body = body.bring_to_rest(None, None).unwrap().unwrap();
+    let body = body.equilibrate(None, None).unwrap().unwrap();
     body.write(&file).unwrap();
     let back = EquilibratedBody::read(&file).unwrap();
     assert_eq!(back, body);
@@ -400,10 +400,8 @@ fn grouting_is_carried_over() {
             .iter()
             .all(|record| record.closed_at.is_some())
     );
-    let hooks = RunHooks {
-        at_rest: Some(back),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default()
+.with_equilibrated_body(back);
     let resumed = blocks
         .scene(plan(true), None)
         .prepare()

@@ -214,7 +214,7 @@ duration = 1e-3
 "#
     );
     let simulation = scene(&mesh, text).prepare().unwrap();
-    let body = simulation.bring_to_rest(None, None).unwrap().unwrap();
+    let body = simulation.equilibrate(None, None).unwrap().unwrap();
     let nodes = mesh.positions().iter().zip(&body.state().displacement);
     let at_wall = nodes.filter(|(x, _)| (x.x.hypot(x.y) - 1.0).abs() < 1e-9);
     let inward: Vec<f64> = at_wall

@@ -88,12 +88,7 @@ fn wishes() {
         // A joint's history stands among the other output.
         let text = format!("{JOINT}\n{history}{keys}\n");
         let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{keys}: {error}"));
-        let wish = JointRequest {
-            name: "p".into(),
-            joint: "bedding".into(),
-            zone,
-            quantities,
-        };
+        let wish = JointRequest::new("p", "bedding", zone, quantities);
         assert_eq!(scene.output_plan().joints, [wish], "{keys}");
         scene
             .prepare()
@@ -328,19 +323,14 @@ fn snapshots_hold_joints() {
     let (mesh, joint) = twin(&halves());
     let mut scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint);
     let mut plan = scene.output_plan().clone();
-    plan.snapshots = Some(SnapshotRequest {
-        fields: Default::default(),
-        every: 0.2,
-    });
+    plan.snapshots = Some(SnapshotRequest::new(0.2));
     scene = scene.output(plan);
     let simulation = scene.prepare().unwrap();
     let folder = Folder::new("joint-snapshots");
     let output = ResultFolder::new(&folder.0);
     let sink = output.snapshots(&simulation).unwrap();
-    let hooks = RunHooks {
-        snapshots: Some(sink),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default()
+.with_snapshots(sink);
     let results = simulation.run(hooks).unwrap();
     assert_eq!(results.snapshots, 4);
     let collection = std::fs::read_to_string(folder.0.join("snapshots.pvd")).unwrap();

@@ -10,11 +10,9 @@ const HISTORY: &str = "[[output.history]]\nname = \"surface\"\nat = [150, 150, 0
 
 /// What the file has without its history.
 fn plan() -> OutputPlan {
-    OutputPlan {
-        every: 0.01,
-        energies: Some(0.006),
-        ..OutputPlan::default()
-    }
+    OutputPlan::default()
+.with_every(0.01)
+.with_energies(0.006)
 }
 
 /// Every place, quantity and cadence of a file is that of the plan.
@@ -83,40 +81,25 @@ fn plans() {
         ),
         (
             "[output.envelope]\nquantities = [\"stress\", \"velocity\"]\nsets = [\"rock\"]\nevery = 0.02",
-            OutputPlan {
-                envelope: Some(EnvelopeRequest {
-                    motion: velocity,
-                    stress: true,
-                    sets: vec!["rock".into()],
-                    every: 0.02,
-                }),
-                ..plan()
-            },
+            plan()
+.with_envelope(EnvelopeRequest::new(0.02)
+.with_motion(velocity)
+.with_stress(true)
+.with_sets(vec!["rock".into()])),
         ),
         (
             "[output.envelope]",
-            OutputPlan {
-                envelope: Some(EnvelopeRequest {
-                    motion: Motion::ALL,
-                    stress: false,
-                    sets: Vec::new(),
-                    every: 0.01,
-                }),
-                ..plan()
-            },
+            plan()
+.with_envelope(EnvelopeRequest::new(0.01)),
         ),
         (
             "[output.snapshots]\nevery = 0.1\nquantities = [\"stress\"]",
-            OutputPlan {
-                snapshots: Some(SnapshotRequest {
-                    fields: SnapshotFields {
+            plan()
+.with_snapshots(SnapshotRequest::new(0.1)
+.with_fields(SnapshotFields {
                         motion: stress,
                         stress: true,
-                    },
-                    every: 0.1,
-                }),
-                ..plan()
-            },
+                    })),
         ),
     ] {
         let scene = variants.read(HISTORY, keys);

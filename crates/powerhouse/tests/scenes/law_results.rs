@@ -85,10 +85,8 @@ fn what_laws_remember_is_recorded() {
     let out = powerhouse::ResultFolder::new(variants.0.0.join("out"));
     let mesh = scene.mesh().clone();
     let simulation = scene.prepare().unwrap();
-    let hooks = powerhouse::RunHooks {
-        snapshots: Some(out.snapshots(&simulation).unwrap()),
-        ..Default::default()
-    };
+    let hooks = powerhouse::RunHooks::default()
+.with_snapshots(out.snapshots(&simulation).unwrap());
     let results = simulation.run(hooks).unwrap();
     let twin = cube_scene_made_of(cube(), &["rock"], &cracking());
     let mut plan = twin.output_plan().clone();

@@ -81,7 +81,7 @@ fn opened(options: StaticOptions, closed: bool) -> Scene {
 }
 
 fn at_rest(scene: Scene) -> EquilibratedBody {
-    let rested = scene.prepare().unwrap().bring_to_rest(None, None);
+    let rested = scene.prepare().unwrap().equilibrate(None, None);
     rested.unwrap().unwrap()
 }
 

@@ -182,31 +182,22 @@ fn a_stopped_run_leaves_complete_output() {
     let mut scene = cube_scene();
     let mut plan = scene.output_plan().clone();
     plan.energies = Some(0.05);
-    plan.snapshots = Some(SnapshotRequest {
-        fields: Default::default(),
-        every: 0.05,
-    });
-    plan.envelope = Some(powerhouse::EnvelopeRequest {
-        motion: Motion::ALL,
-        stress: true,
-        sets: Vec::new(),
-        every: 0.01,
-    });
+    plan.snapshots = Some(SnapshotRequest::new(0.05));
+    plan.envelope = Some(powerhouse::EnvelopeRequest::new(0.01)
+.with_stress(true));
     scene = scene.output(plan);
     let simulation = scene.prepare().unwrap();
     let mesh = simulation.mesh().clone();
     let stop = Arc::new(AtomicBool::new(false));
     let raised = stop.clone();
-    let hooks = RunHooks {
-        stop: Some(stop),
-        snapshots: Some(results.snapshots(&simulation).unwrap()),
-        progress: Some(Box::new(move |progress| {
+    let hooks = RunHooks::default()
+.with_stop(stop)
+.with_snapshots(results.snapshots(&simulation).unwrap())
+.with_progress(move |progress| {
             if progress.done == 20 {
                 raised.store(true, Ordering::Relaxed);
             }
-        })),
-        ..RunHooks::default()
-    };
+        });
     let found = simulation.run(hooks).unwrap();
     assert_eq!((found.run.steps, &found.run.ended), (21, &Ended::Stopped));
     let files = results

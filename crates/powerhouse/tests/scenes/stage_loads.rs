@@ -53,7 +53,7 @@ fn displacements(scene: Scene) -> Vec<Vec<Vec3>> {
     let seen = Displacements::default();
     let sink = Box::new(seen.clone());
     let simulation = scene.prepare().unwrap();
-    simulation.bring_to_rest(None, Some(sink)).unwrap();
+    simulation.equilibrate(None, Some(sink)).unwrap();
     let seen = seen.0.lock().unwrap();
     seen.clone()
 }

@@ -382,10 +382,8 @@ impl StageSink for Shown {
 fn seen(scene: Scene) -> (Vec<Seen>, Results) {
     let shown = Shown::default();
     let kept = shown.0.clone();
-    let hooks = RunHooks {
-        stages: Some(Box::new(shown)),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default()
+.with_stages(Box::new(shown));
     let found = scene.prepare().unwrap().run(hooks).unwrap();
     let kept = core::mem::take(&mut *kept.lock().unwrap());
     (kept, found)
@@ -552,14 +550,9 @@ law = "tied"
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
     let out = ResultFolder::new(folder.0.join("out"));
     let (mesh, planned) = (simulation.mesh().clone(), simulation.result_files());
-    let notes = RunNotes {
-        remarks: simulation.remarks().to_vec(),
-        ..RunNotes::default()
-    };
-    let hooks = RunHooks {
-        stages: Some(out.stages(&simulation).unwrap()),
-        ..RunHooks::default()
-    };
+    let notes = RunNotes::new(simulation.remarks().to_vec());
+    let hooks = RunHooks::default()
+.with_stages(out.stages(&simulation).unwrap());
     let found: Results = simulation.run(hooks).unwrap();
     let written = out.write(("trench", &mesh), &found, &notes, None).unwrap();
     // Each file has been foreseen, so that it can be tried before the run.

@@ -263,11 +263,8 @@ impl Opening {
             |face: &str| -> Result<Vec<_>, StudyError> { Ok(mesh.facet_set(face)?.to_vec()) };
         let cuts = mesh.nodes_of_facets(&[facets("front")?, facets("back")?].concat());
         let opening = facets("opening")?;
-        let mut output = OutputPlan {
-            // At every step.
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        // At every step.
+        let mut output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         let wanted = Motion {
             displacement: true,
             velocity: motive.wave.is_some(),

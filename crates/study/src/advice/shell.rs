@@ -132,10 +132,8 @@ impl Shell {
         let wall = mesh.facet_set("wall")?.to_vec();
         let pressure = FacePressure::new(&mesh, &wall, Profile::Uniform, Box::new(history));
         let pressure = pressure.map_err(|error| Error::from(ModelError::from(error)))?;
-        let output = OutputPlan {
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        let output = OutputPlan::default()
+.with_every(f64::MIN_POSITIVE);
         let output = output.history(
             "wall",
             Vec3::new(self.inner, 0.0, 0.0),

@@ -59,10 +59,8 @@ impl Sweep {
         finished::take_back(&path)?;
         folder.clear()?;
         if let Some((check, limit)) = check {
-            let hooks = RunHooks {
-                stop: control.stop.cloned(),
-                ..RunHooks::default()
-            };
+            let mut hooks = RunHooks::default();
+            hooks.stop = control.stop.cloned();
             let found = check.run(step, hooks)?;
             locked(control.watch).self_check(case, found.largest());
             found.require(limit)?;
@@ -70,18 +68,12 @@ impl Sweep {
 
         let mesh = simulation.mesh().clone();
         doubts.extend(seen.as_ref().and_then(Coverage::doubt));
-        let notes = RunNotes {
-            remarks: simulation.remarks().to_vec(),
-            warnings: doubts,
-        };
+        let notes = RunNotes::new(simulation.remarks().to_vec()).with_warnings(doubts);
         locked(control.watch).warns(case, &notes, lock.remark());
-        let hooks = RunHooks {
-            at_rest: at_rest(&simulation, (case, &body), &folder, (control, bodies))?,
-            progress: locked(control.watch).progress(case),
-            stop: control.stop.cloned(),
-            snapshots: Some(folder.snapshots(&simulation)?),
-            ..RunHooks::default()
-        };
+        let mut hooks = RunHooks::default().with_snapshots(folder.snapshots(&simulation)?);
+        hooks.equilibrated_body = at_rest(&simulation, (case, &body), &folder, (control, bodies))?;
+        hooks.progress = locked(control.watch).progress(case);
+        hooks.stop = control.stop.cloned();
         let (results, failure) = match simulation.run(hooks) {
             Ok(results) => (results, None),
             Err(Error::Failed { error, results }) => (*results, Some(error)),
@@ -159,7 +151,7 @@ fn at_rest(
         let started = Instant::now();
         let files = folder.stages(simulation)?;
         let told = locked(control.watch).stages(case, files);
-        let found = simulation.bring_to_rest(control.stop, Some(told));
+        let found = simulation.equilibrate(control.stop, Some(told));
         *at_rest = found.map_err(|error| match error {
             Error::Interrupted { .. } => StudyError::Interrupted,
             error => error.into(),

@@ -120,7 +120,7 @@ impl TradeRunner<'_> {
             Some(known) => Some(known.clone()),
             None => {
                 let started = Instant::now();
-                let found = simulation.bring_to_rest(self.stop, None);
+                let found = simulation.equilibrate(self.stop, None);
                 let found = found.map_err(|error| match error {
                     powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
                     error => error.into(),
@@ -137,20 +137,17 @@ impl TradeRunner<'_> {
         let before = composed + rested.as_ref().map_or(0.0, |rested| rested.took);
         let clock = Arc::new(Mutex::new(Clock::default()));
         let (ticks, mut told) = (clock.clone(), watch.progress());
-        let hooks = RunHooks {
-            progress: Some(Box::new(move |progress| {
-                let now = Some((Instant::now(), progress.done));
-                let mut clock = ticks.lock().unwrap_or_else(PoisonError::into_inner);
-                clock.first = clock.first.or(now);
-                clock.last = now;
-                if let Some(told) = &mut told {
-                    told(progress);
-                }
-            })),
-            stop: self.stop.cloned(),
-            at_rest: rested.map(|rested| rested.body),
-            ..RunHooks::default()
-        };
+        let mut hooks = RunHooks::default().with_progress(move |progress| {
+            let now = Some((Instant::now(), progress.done));
+            let mut clock = ticks.lock().unwrap_or_else(PoisonError::into_inner);
+            clock.first = clock.first.or(now);
+            clock.last = now;
+            if let Some(told) = &mut told {
+                told(progress);
+            }
+        });
+        hooks.stop = self.stop.cloned();
+        hooks.equilibrated_body = rested.map(|rested| rested.body);
         let results = simulation.run(hooks)?;
         let stopped = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
         if stopped && results.run.ended != Ended::Completed {
