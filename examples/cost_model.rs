@@ -56,7 +56,9 @@ fn path(file: &str) -> PathBuf {
 }
 
 fn scene(file: &str, duration: f64) -> Outcome<Scene> {
-    Ok(Scene::from_file(path(file))?.duration(duration).threads(1))
+    Ok(Scene::from_file(path(file))?
+        .with_duration(duration)
+        .with_threads(1))
 }
 
 /// The scene of the stages of a name.
@@ -69,7 +71,7 @@ fn staged(name: &str) -> Outcome<Scene> {
         text = text.replace("cavern_small.msh", mesh);
     }
     let scene = Scene::from_toml(text, path, &powerhouse_study::registry())?;
-    Ok(scene.threads(1))
+    Ok(scene.with_threads(1))
 }
 
 /// Goes through the stages of a scene, and tells what that took.
@@ -109,8 +111,7 @@ fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     let mut simulation = scene.prepare()?;
     simulation.stable_step()?;
     let notes = powerhouse::RunNotes::new(simulation.remarks().to_vec());
-    let hooks = RunHooks::default()
-.with_snapshots(folder.snapshots(&simulation)?);
+    let hooks = RunHooks::default().with_snapshots(folder.snapshots(&simulation)?);
     let results = simulation.run(hooks)?;
     folder.write((&title, &mesh), &results, &notes, None)?;
     Ok(Cost {
@@ -207,7 +208,7 @@ mod tests {
         let (file, duration, _) = SCENES[2];
         let expected = predicted(file, duration).unwrap();
         assert!(expected.time > 0.0 && expected.memory > 1e7);
-        assert_eq!(scene(file, duration).unwrap().run_duration(), duration);
+        assert_eq!(scene(file, duration).unwrap().duration(), duration);
         assert_eq!((apart(2.0, 1.0), apart(1.0, 2.0)), (2.0, 2.0));
     }
 

@@ -164,18 +164,17 @@ impl Class {
         let top = mesh.nodes_in_box(&centre, &centre);
         let mut output = OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT);
         if self == Self::Watched {
-            output.envelope = Some(EnvelopeRequest::new(STEP)
-.with_stress(true));
+            output.envelope = Some(EnvelopeRequest::new(STEP).with_stress(true));
         }
         let mut scene = Scene::new("class", mesh)
-            .part(Part::new("rock", self.material()?).damping(self.damping()?))
-            .step(TimeStep::Seconds(STEP))
-            .duration(STEPS as f64 * STEP)
-            .energy_residual(ResidualLimit::Unchecked)
-            .threads(1)
-            .output(output);
+            .part(Part::new("rock", self.material()?).with_damping(self.damping()?))
+            .with_step(TimeStep::Seconds(STEP))
+            .with_duration(STEPS as f64 * STEP)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_threads(1)
+            .with_output(output);
         if self == Self::Single {
-            scene = scene.precision(Precision::F32);
+            scene = scene.with_precision(Precision::F32);
         }
         if let Some(joint) = joint {
             scene = scene.joint(joint);
@@ -189,11 +188,12 @@ impl Class {
         // So long that all of the cube is strained from the first step on.
         let pulse = Arc::new(SmoothPulse::new(0.05, 0.6)?);
         let faces = ["left", "right", "front", "back", "bottom"];
-        let boundary = Boundary::new(ViscousSpring::default(), faces).scatterer(centre);
+        let boundary = Boundary::new(ViscousSpring::default(), faces).with_scatterer(centre);
         Ok(scene
-            .plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
-            .boundary(boundary)
-            .start(0.2, InitialMotion::Field))
+            .with_plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
+            .with_boundary(boundary)
+            .with_start_time(0.2)
+            .with_initial_motion(InitialMotion::Field))
     }
 
     /// Time of a step (s), the mean over the fastest row of some, and the most memory that this process holds

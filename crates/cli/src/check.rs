@@ -47,8 +47,8 @@ pub(crate) fn compare(
 ) -> Result<Option<FreeFieldReport>, StudyError> {
     let display = Display::new("free field");
     let hooks = RunHooks::default()
-.with_progress(display.hook())
-.with_stop(stop.clone());
+        .with_progress(display.hook())
+        .with_stop(stop.clone());
     let found = check.run(step, hooks);
     display.clear();
     match found {

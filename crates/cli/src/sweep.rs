@@ -150,7 +150,12 @@ struct PeakLine<'a> {
 
 /// Adds peaks in a line.
 fn line(text: &mut String, line: &PeakLine) {
-    let PeakLine { heading, scale, unit, .. } = line;
+    let PeakLine {
+        heading,
+        scale,
+        unit,
+        ..
+    } = line;
     let peaks: Vec<String> = (line.peaks.iter())
         .map(|peak| format!("{} {:.3}", peak.name, scale * peak.value))
         .collect();

@@ -114,8 +114,13 @@ fn springs_are_measured_from_the_start_of_the_stage() {
                 Vec3::new(force, 0.0, 0.0),
                 Box::new(|_: f64| 1.0),
             )))
-            .boundary(BoundaryParts::default()
-.with_impedance(vec![NodalImpedance::new(0, Mat3::identity() * stiffness, Mat3::zeros())]))
+            .boundary(
+                BoundaryParts::default().with_impedance(vec![NodalImpedance::new(
+                    0,
+                    Mat3::identity() * stiffness,
+                    Mat3::zeros(),
+                )]),
+            )
             .build()
             .unwrap()
     };
@@ -236,10 +241,10 @@ fn additional_blocks_extend_the_body() {
     let build = || {
         // At the right end two blocks in a row, whose second end is loaded; at the left end one.
         let right = BoundaryParts::default()
-.with_blocks(vec![tail(6, 7.0), tail(7, 8.0)])
-.with_loads(vec![Box::new(force(8))]);
+            .with_blocks(vec![tail(6, 7.0), tail(7, 8.0)])
+            .with_loads(vec![Box::new(force(8))]);
         let left = BoundaryParts::default()
-.with_blocks(vec![ExtraBlock {
+            .with_blocks(vec![ExtraBlock {
                 nodes: vec![Vec3::new(-1.0, 0.0, 0.0)],
                 build: Box::new(move |numbering| {
                     Box::new(Tail {
@@ -249,7 +254,7 @@ fn additional_blocks_extend_the_body() {
                     })
                 }),
             }])
-.with_loads(vec![Box::new(force(7))]);
+            .with_loads(vec![Box::new(force(7))]);
         Model::builder(&short_mesh)
             .elements("bar", links())
             .boundary(right)

@@ -217,7 +217,10 @@ impl Simulation {
                 "envelopes",
                 self.plan.envelope.as_ref().map(|request| request.every),
             ),
-            ("snapshots", self.plan.snapshots.map(|request| request.every)),
+            (
+                "snapshots",
+                self.plan.snapshots.map(|request| request.every),
+            ),
         ];
         for (what, interval) in intervals {
             // Nobody asks for an interval by leaving it as it is by default.
@@ -281,9 +284,9 @@ impl Simulation {
             return Ok(None);
         };
         let found = staging.run(stop, sink);
-        Ok(Some(found.map_err(|error| {
-            self.spans.put(&self.source, error)
-        })?))
+        Ok(Some(
+            found.map_err(|error| self.spans.put(&self.source, error))?,
+        ))
     }
 
     /// The results of the scene's run, construction stages first.
@@ -301,8 +304,7 @@ impl Simulation {
                 None => staging.run(hooks.stop.as_ref(), hooks.stages),
             };
             let moving = body.and_then(|body| staging.set_in_motion(body));
-            let (model, stages) =
-                moving.map_err(|error| self.spans.put(&self.source, error))?;
+            let (model, stages) = moving.map_err(|error| self.spans.put(&self.source, error))?;
             self.model = model;
             rested = Some(stages);
         }
@@ -375,7 +377,8 @@ impl Simulation {
             ResidualLimit::Unchecked => return options,
         };
         // Balances by set take a tenth of a step, and name a fault's set only a little more surely.
-        let mut check = EnergyCheck::every((every / step).round().max(1.0) as u64).with_by_set(false);
+        let mut check =
+            EnergyCheck::every((every / step).round().max(1.0) as u64).with_by_set(false);
         check.limit = limit;
         options.with_energy(check)
     }

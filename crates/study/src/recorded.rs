@@ -18,7 +18,7 @@ pub(crate) struct Recorded {
 impl Recorded {
     /// What a scene records of motion, stress and state.
     pub(crate) fn of(scene: &Scene) -> Self {
-        let (mesh, plan) = (scene.mesh(), scene.output_plan());
+        let (mesh, plan) = (scene.mesh(), scene.output());
         let mut recorded = Self::default();
         let places = (plan.histories.iter().map(|wish| &wish.place))
             .chain(plan.relative.iter().flat_map(|wish| [&wish.at, &wish.from]));

@@ -77,7 +77,7 @@ pub(crate) fn doubts(scene: &Scene, resolution: &[Resolution]) -> Result<Vec<War
     let mut warnings = Vec::new();
     if let Some(spectrum) = incoming(scene)? {
         if spectrum.iter().all(|(_, energy)| *energy == 0.0) {
-            let duration = scene.run_duration();
+            let duration = scene.duration();
             warnings.push(Warning::StillField { duration });
         }
         motions.push(("the incoming motion".into(), spectrum));
@@ -111,7 +111,7 @@ pub(crate) fn doubts(scene: &Scene, resolution: &[Resolution]) -> Result<Vec<War
 
 /// The spectrum of the field's motion in the middle of the mesh's top, if there is a field.
 pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
-    let Some(field) = scene.incident_field() else {
+    let Some(field) = scene.field() else {
         return Ok(None);
     };
     let (low, high) = scene.mesh().bounding_box();
@@ -119,7 +119,7 @@ pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
     let sampler = field
         .prepare(&[Vec3::new(middle.x, middle.y, high.z)])
         .map_err(Error::from)?;
-    let run = scene.run_duration();
+    let run = scene.duration();
     let fading = LEAST_FADING.max(FADING_SHARE * run);
     let interval = (run + fading) / INSTANTS as f64;
     let velocities: Vec<Vec3> = (0..=INSTANTS)

@@ -24,9 +24,10 @@ fn sprung<'a>(
 ) -> ModelBuilder<'a> {
     let mut spring = Mat3::zeros();
     spring[(axis, axis)] = stiffness / nodes.len() as f64;
-    let impedance = nodes.iter().map(|&node| NodalImpedance::new(node, spring, Mat3::zeros()));
-    builder.boundary(BoundaryParts::default()
-.with_impedance(impedance.collect()))
+    let impedance = nodes
+        .iter()
+        .map(|&node| NodalImpedance::new(node, spring, Mat3::zeros()));
+    builder.boundary(BoundaryParts::default().with_impedance(impedance.collect()))
 }
 
 fn relaxed(model: &mut Model) -> StaticReport {

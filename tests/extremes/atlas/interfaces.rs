@@ -48,11 +48,7 @@ pub(super) fn rows() -> Vec<Row> {
 }
 
 /// Two blocks on each other with a joint between them, the upper one so many times as dense and stiff.
-fn blocks(
-    column: &Column,
-    interface: Interface,
-    damping: Rayleigh,
-) -> Result<Model, Refusal> {
+fn blocks(column: &Column, interface: Interface, damping: Rayleigh) -> Result<Model, Refusal> {
     let Interface {
         strength,
         friction,

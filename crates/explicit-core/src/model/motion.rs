@@ -418,8 +418,7 @@ fn own_fields(
 ) -> Vec<HistoryField> {
     let mut own = Vec::new();
     for (field, places) in fields.iter().zip(places) {
-        let mut part =
-            HistoryField::new(field.name.as_str(), Vec::new(), field.points, Vec::new());
+        let mut part = HistoryField::new(field.name.as_str(), Vec::new(), field.points, Vec::new());
         for &element in elements {
             let place = places.get(element as usize).copied().flatten();
             let values = place.and_then(|place| {

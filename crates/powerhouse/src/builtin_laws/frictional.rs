@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use super::preset::Preset;
 use super::{ElasticKeys, KeysError, elastic_medium, missing, placed, refused};
-use crate::format::{NonNegative, PoissonRatio, Positive, Share};
+use crate::format::{NonNegative, Positive, Share};
 use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {

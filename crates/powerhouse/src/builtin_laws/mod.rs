@@ -92,7 +92,11 @@ fn elastic_medium(
     };
     Ok(ElasticMedium::new(
         given(keys.young.map(Positive::get), |m| m.young, "young")?,
-        given(keys.poisson.map(PoissonRatio::get), |m| m.poisson, "poisson")?,
+        given(
+            keys.poisson.map(PoissonRatio::get),
+            |m| m.poisson,
+            "poisson",
+        )?,
         given(keys.density.map(Positive::get), |m| m.density, "density")?,
     )?)
 }

@@ -26,7 +26,7 @@ use crate::joint::Closing;
 ///     SceneStage::new("ground").support(Support::roller(bottom, Vec3::z())),
 ///     SceneStage::new("excavation")
 ///         .excavate("core")
-///         .options(StaticOptions::default().with_increments(4).with_release(0.6)),
+///         .with_options(StaticOptions::default().with_increments(4).with_release(0.6)),
 ///     SceneStage::new("support").cast("lining").install("roof"),
 /// ];
 /// assert_eq!(stages[2].name(), "support");
@@ -154,7 +154,7 @@ impl SceneStage {
     /// Sets how the body is brought to rest: gate, increments, and the share of what is out of
     /// balance that comes.
     #[must_use]
-    pub fn options(mut self, options: StaticOptions) -> Self {
+    pub fn with_options(mut self, options: StaticOptions) -> Self {
         self.options = options;
         self
     }

@@ -126,7 +126,7 @@ at = [450, 0, 0]
         young = 2.0 * 1.49 * shear
     );
     let scene = scene(&mesh, text);
-    let field = scene.incident_field().unwrap().clone();
+    let field = scene.field().unwrap().clone();
     let results = run(scene);
     let points = [150.0, 300.0, 450.0].map(|x| Vec3::new(x, 0.0, 0.0));
     let sampler = field.prepare(&points).unwrap();

@@ -10,9 +10,7 @@ const HISTORY: &str = "[[output.history]]\nname = \"surface\"\nat = [150, 150, 0
 
 /// What the file has without its history.
 fn plan() -> OutputPlan {
-    OutputPlan::default()
-.with_every(0.01)
-.with_energies(0.006)
+    OutputPlan::default().with_every(0.01).with_energies(0.006)
 }
 
 /// Every place, quantity and cadence of a file is that of the plan.
@@ -81,36 +79,34 @@ fn plans() {
         ),
         (
             "[output.envelope]\nquantities = [\"stress\", \"velocity\"]\nsets = [\"rock\"]\nevery = 0.02",
-            plan()
-.with_envelope(EnvelopeRequest::new(0.02)
-.with_motion(velocity)
-.with_stress(true)
-.with_sets(vec!["rock".into()])),
+            plan().with_envelope(
+                EnvelopeRequest::new(0.02)
+                    .with_motion(velocity)
+                    .with_stress(true)
+                    .with_sets(vec!["rock".into()]),
+            ),
         ),
         (
             "[output.envelope]",
-            plan()
-.with_envelope(EnvelopeRequest::new(0.01)),
+            plan().with_envelope(EnvelopeRequest::new(0.01)),
         ),
         (
             "[output.snapshots]\nevery = 0.1\nquantities = [\"stress\"]",
-            plan()
-.with_snapshots(SnapshotRequest::new(0.1)
-.with_fields(SnapshotFields {
-                        motion: stress,
-                        stress: true,
-                    })),
+            plan().with_snapshots(SnapshotRequest::new(0.1).with_fields(SnapshotFields {
+                motion: stress,
+                stress: true,
+            })),
         ),
     ] {
         let scene = variants.read(HISTORY, keys);
         let scene = scene.unwrap_or_else(|error| panic!("{keys}: {error}"));
-        assert_eq!(scene.output_plan(), &expected, "{keys}");
+        assert_eq!(scene.output(), &expected, "{keys}");
         scene
             .prepare()
             .unwrap_or_else(|error| panic!("{keys}: {error}"));
     }
     let scene = variants.read("every = 0.01", "energies = 0.05").unwrap();
-    let plan = scene.output_plan();
+    let plan = scene.output();
     assert_eq!((plan.every, plan.energies), (0.005, Some(0.05)));
 }
 

@@ -82,8 +82,8 @@ fn a_stage_may_be_interrupted() {
     let text = [MATERIALS, &first].concat();
     let stop = Arc::new(AtomicBool::new(false));
     let hooks = RunHooks::default()
-.with_stop(stop.clone())
-.with_stages(Box::new(Raise(stop)));
+        .with_stop(stop.clone())
+        .with_stages(Box::new(Raise(stop)));
     let ended = read(&folder, &text).unwrap().prepare().unwrap().run(hooks);
     assert!(
         matches!(&ended, Err(Error::Interrupted { stage }) if stage == "trench"),

@@ -27,7 +27,7 @@ impl Band {
     /// # Errors
     /// A field that does not move the surface in the time of the run.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
-        let duration = scene.run_duration();
+        let duration = scene.duration();
         let spectrum = incoming(scene)?.unwrap_or_default();
         // Energies of velocity; what is longer than the run is not motion of it.
         let velocity: Vec<(f64, f64)> = (spectrum.into_iter())

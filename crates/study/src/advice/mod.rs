@@ -144,13 +144,11 @@ impl BoundaryAdvice {
 ///
 /// # Errors
 /// A scene without a boundary, or in which nothing moves; a field that is not known to be made of plane
-/// waves ([`Scene::plane_waves`] says so); faces that leave no room for a prediction.
+/// waves ([`Scene::with_plane_waves`] says so); faces that leave no room for a prediction.
 pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
     let setting = Setting::of(scene)?;
-    let faces = scene
-        .absorbing_boundary()
-        .map_or(Vec::new(), |b| b.faces.clone());
+    let faces = scene.boundary().map_or(Vec::new(), |b| b.faces.clone());
     let bottom = bottom_faces(scene)?;
     let kinds: Vec<BoundaryKind> = (BoundaryKind::ALL.into_iter())
         .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&setting, &bottom))

@@ -230,14 +230,14 @@ impl Opening {
         let step = duration / (duration / stable).ceil();
         let run = |mesh: Mesh, boundary: Boundary| {
             let scene = self.scene(mesh, boundary, &motive)?;
-            let results = scene.step(TimeStep::Seconds(step)).prepare()?;
+            let results = scene.with_step(TimeStep::Seconds(step)).prepare()?;
             Ok::<_, StudyError>(results.run(RunHooks::default())?.histories)
         };
         // The field enters both meshes at the same places: through the faces of the small one, and
         // through the elements behind them.
         let mut around = boundary(default);
         if motive.wave.is_some() {
-            around = around.entering_around((0..counts[0] as u32).collect());
+            around = around.with_region((0..counts[0] as u32).collect());
         }
         let reference = run(wide, around)?;
         let of_kind = |kind: &BoundaryKind| {
@@ -286,10 +286,10 @@ impl Opening {
         let [start, end] = motive.window;
         let mut scene = Scene::new("opening", mesh)
             .part(Part::new("rock", rock))
-            .boundary(boundary)
-            .energy_residual(ResidualLimit::Unchecked)
-            .duration(end - start)
-            .output(output)
+            .with_boundary(boundary)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_duration(end - start)
+            .with_output(output)
             .allow_magnitudes();
         let is_antiplane = |wave: &PlaneWave| wave.parameters().kind == WaveKind::SH;
         if motive.wave.as_ref().is_some_and(is_antiplane) {
@@ -301,7 +301,10 @@ impl Opening {
             scene = scene.support(Support::roller(cuts, Vec3::y()));
         }
         if let Some(wave) = &motive.wave {
-            return Ok(scene.field(wave.clone()).start(start, InitialMotion::Rest));
+            return Ok(scene
+                .with_field(wave.clone())
+                .with_start_time(start)
+                .with_initial_motion(InitialMotion::Rest));
         }
         let rise = 0.5 * self.pulse();
         let history = move |time: f64| match time / rise {

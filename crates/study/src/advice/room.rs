@@ -191,7 +191,7 @@ impl<'a> Room<'a> {
             left.push((*face, facets));
         }
         let site = BoundarySite::from_mesh(&cut, &left, |_| setting.medium, setting.centre, None);
-        let condition = scene.absorbing_boundary().map(|b| b.condition.build(&site));
+        let condition = scene.boundary().map(|b| b.condition.build(&site));
         match condition {
             Some(Err(reason)) => Err(Obstacle::Refused {
                 reason: reason.to_string(),
@@ -285,7 +285,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
     let room = Room::of(scene)?;
     let setting = &room.setting;
-    let boundary = scene.absorbing_boundary().ok_or(StudyError::NoBoundary)?;
+    let boundary = scene.boundary().ok_or(StudyError::NoBoundary)?;
     let kind = kind_of(boundary.condition.as_ref());
     let mut advice = BoxAdvice {
         title: scene.title().to_owned(),

@@ -199,7 +199,7 @@ impl FormatError {
 
     /// The format of a scene, if it is not double precision, and its documented error.
     fn documented(scene: &Scene) -> Option<(&'static str, f64)> {
-        match scene.number_format() {
+        match scene.precision() {
             Precision::F64 => None,
             Precision::Mixed => Some(("mixed", MIXED_ERROR)),
             Precision::F32 => Some(("f32", SINGLE_ERROR)),
@@ -307,7 +307,7 @@ impl Survey {
         let (low, high) = scene.mesh().bounding_box();
         let speeds = resolution.iter().map(|part| part.s_speed);
         // Without waves, or with those that stay away, no frequency says how small an element must be.
-        let band = match scene.incident_field() {
+        let band = match scene.field() {
             Some(_) => Band::of(scene).ok(),
             None => None,
         };

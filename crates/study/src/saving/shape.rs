@@ -49,8 +49,8 @@ fn of_elements(change: Change, elements: f64, error: PredictedError) -> Saving {
 /// Whether all waves are P and SV waves that travel across an axis; not so if it is not known of what
 /// waves the field is made.
 fn travels_across(scene: &Scene, axis: Axis) -> bool {
-    let waves = scene.incident_waves();
-    let known = scene.incident_field().is_none() || !waves.is_empty();
+    let waves = scene.plane_waves();
+    let known = scene.field().is_none() || !waves.is_empty();
     known
         && waves.iter().all(|wave| {
             let parameters = wave.parameters();
@@ -224,7 +224,7 @@ fn images(mesh: &Mesh, axis: Axis, at: f64) -> Option<Vec<u32>> {
 
 /// Faces that come nearer to what scatters, with the error that a slice of the same ground predicts.
 fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
-    let Some(boundary) = scene.absorbing_boundary() else {
+    let Some(boundary) = scene.boundary() else {
         return Ok(None);
     };
     let kind = kind_of(boundary.condition.as_ref());

@@ -41,8 +41,8 @@ impl Files {
             Some(SceneFile {
                 text: toml::to_string(table).ok()?,
                 path: source.path.clone(),
-                duration: scene.run_duration(),
-                threads: scene.thread_count(),
+                duration: scene.duration(),
+                threads: scene.threads(),
             })
         };
         let factors = factors(scene, &table);

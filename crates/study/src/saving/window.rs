@@ -54,9 +54,9 @@ impl SceneFile {
 
     pub(crate) fn scene(&self, duration: f64) -> Option<Scene> {
         let scene = Scene::from_toml(self.text.clone(), self.path.clone(), &registry()).ok()?;
-        let scene = scene.duration(duration);
+        let scene = scene.with_duration(duration);
         Some(match self.threads {
-            Some(threads) => scene.threads(threads),
+            Some(threads) => scene.with_threads(threads),
             None => scene,
         })
     }
@@ -270,7 +270,7 @@ pub(crate) struct Facts {
 
 impl Facts {
     pub(crate) fn of(scene: &Scene) -> Self {
-        let plan = scene.output_plan();
+        let plan = scene.output();
         let records = !plan.histories.is_empty()
             || !plan.relative.is_empty()
             || !plan.stresses.is_empty()
@@ -304,12 +304,12 @@ struct Intensities(Vec<[f64; 3]>);
 
 impl Intensities {
     fn of(scene: &Scene) -> Option<Self> {
-        let field = scene.incident_field()?;
+        let field = scene.field()?;
         let (low, high) = scene.mesh().bounding_box();
         let middle = 0.5 * (low + high);
         let centre = scene.scatterer().unwrap_or(middle).sup(&low).inf(&high);
         let sampler = field.prepare(&[centre]).ok()?;
-        let interval = scene.run_duration() / INSTANTS as f64;
+        let interval = scene.duration() / INSTANTS as f64;
         let mut before = Vec3::zeros();
         let squares = (0..=INSTANTS).map(|instant| {
             let mut motion = [FieldMotion::default()];

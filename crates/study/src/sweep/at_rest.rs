@@ -79,7 +79,7 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     // Which nodes, and in which directions.
     let held = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());
     let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
-    let boundary = scene.absorbing_boundary();
+    let boundary = scene.boundary();
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
     let start = scene.start_time();
     sum.add(format!("{held} {joints:?} {faces:?} {start:?}").as_bytes());

@@ -40,7 +40,7 @@ impl Sweep {
         let path = self.folder.join(case);
         let folder = ResultFolder::new(&path);
         let text = scene.source().map(|source| source.text.clone());
-        let relative = scene.output_plan().relative.iter();
+        let relative = scene.output().relative.iter();
         let relative: Vec<String> = relative.map(|wish| wish.name.clone()).collect();
         let body = at_rest::key(&scene, &self.scene, &self.text, case);
         let title = format!("{}: {case}", scene.title());
@@ -110,12 +110,12 @@ impl Sweep {
     fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
         let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
         let at_once = self.at_once.get().min(self.cases.len());
-        if at_once > 1 && scene.thread_count().is_none() {
+        if at_once > 1 && scene.threads().is_none() {
             let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-            scene = scene.threads((cores / at_once).max(1));
+            scene = scene.with_threads((cores / at_once).max(1));
         }
         if let Some(duration) = self.duration {
-            scene = scene.duration(duration);
+            scene = scene.with_duration(duration);
         }
         let is_other = |source: &SceneText| source.text != self.text;
         if scene.source().is_some_and(|source| is_other(source)) {

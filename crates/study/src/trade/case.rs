@@ -113,7 +113,7 @@ impl TradeRunner<'_> {
     ) -> Result<Finished, StudyError> {
         let started = Instant::now();
         let account = Account::of(&scene)?;
-        let mut simulation = scene.duration(self.window).prepare()?;
+        let mut simulation = scene.with_duration(self.window).prepare()?;
         let step = simulation.step()?;
         let composed = started.elapsed().as_secs_f64();
         let rested = match self.bodies.get(body) {

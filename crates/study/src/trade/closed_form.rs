@@ -48,8 +48,8 @@ pub(super) fn closed_form(
     if let Some(reason) = disturbance(file) {
         return Err(refused(reason));
     }
-    let field = scene.incident_field().ok_or(refused("no field comes in"))?;
-    if scene.absorbing_boundary().is_none() {
+    let field = scene.field().ok_or(refused("no field comes in"))?;
+    if scene.boundary().is_none() {
         return Err(refused("it has no absorbing boundary"));
     }
     if scene.joints().next().is_some() || !scene.stages().is_empty() {
@@ -69,7 +69,7 @@ pub(super) fn closed_form(
         return Err(refused("it has an opening, which scatters"));
     }
     let mut columns = vec![TableColumn::new("time", "s", times.to_vec())];
-    for wish in &scene.output_plan().histories {
+    for wish in &scene.output().histories {
         let points = points(scene, &wish.place);
         let sampler = field.prepare(&points).map_err(Error::from)?;
         let mut motions = vec![FieldMotion::default(); points.len()];

@@ -281,7 +281,7 @@ fn boundary(file: &Table) -> Option<Factor> {
 
 /// The full field on every face, or the incident wave alone at the bottom.
 fn input(scene: &Scene, file: &Table) -> Option<Factor> {
-    scene.incident_field()?;
+    scene.field()?;
     let boundary = file.get("boundary")?.as_table()?;
     let input = boundary.get("input");
     if input.is_some_and(|input| input.as_str() != Some("full-field")) {
@@ -356,7 +356,7 @@ fn statics(file: &Table) -> Option<Factor> {
 /// The time between samples, and two and four times that.
 fn output(scene: &Scene, file: &Table) -> Option<Factor> {
     file.get("output")?.as_table()?;
-    let own = scene.output_plan().every;
+    let own = scene.output().every;
     let level = |times: f64| {
         let every = times * own;
         let change = Change::Set(Some("output"), "every", Value::Float(every));

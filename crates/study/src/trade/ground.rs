@@ -37,7 +37,7 @@ pub(super) fn ground(
         .into_iter()
         .flat_map(|set| scene.mesh().nodes_of_set(set).unwrap_or_default());
     let room = Room::of(scene).ok()?.with_nodes(acted_on);
-    let waves = scene.incident_waves().iter();
+    let waves = scene.plane_waves().iter();
     let references = waves.map(|wave| wave.parameters().reference.into());
     let references: Vec<[f64; 3]> = references.collect();
     let mut levels = vec![Level::own("as it stands")];

@@ -135,7 +135,7 @@ impl Trade {
             factors,
             title: scene.title().to_owned(),
             folder: folder.unwrap_or(own),
-            duration: scene.run_duration(),
+            duration: scene.duration(),
             window: window(&scene),
             path_dependent: scene.joints().next().is_some()
                 || scene.parts().iter().any(|part| !part.material.is_linear()),
@@ -432,7 +432,7 @@ impl Trade {
     fn announce(&self, runs: usize, watch: &mut dyn TradeWatch) -> Result<(), StudyError> {
         let finest = self
             .scene(&vec![0; self.factors.len()])?
-            .duration(self.window);
+            .with_duration(self.window);
         let mut simulation = finest.prepare()?;
         let steps = self.window / simulation.step()?;
         let of_one = cost::Clock::of(&mut simulation)?

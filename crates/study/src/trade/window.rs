@@ -11,7 +11,7 @@ const SHARE_ADDED: f64 = 0.1;
 /// Time until half of the records' intensity has come, and a tenth of the duration more, in four digits;
 /// the duration if that is shorter, or waves are pulses.
 pub(super) fn window(scene: &Scene) -> f64 {
-    of_records(scene.run_duration(), scene.records().values())
+    of_records(scene.duration(), scene.records().values())
 }
 
 fn of_records<'a>(duration: f64, records: impl Iterator<Item = &'a TimeHistory>) -> f64 {

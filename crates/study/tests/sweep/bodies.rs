@@ -39,7 +39,7 @@ fn a_shared_body_moves_as_one_of_its_own() {
     sweep.only(&cases).unwrap().run(None, &mut Silent).unwrap();
     let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
     assert_eq!(scene.case(), Some("slanted"));
-    let scene = scene.duration(0.02);
+    let scene = scene.with_duration(0.02);
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let shared = read_table(&folder.0.join("out/slanted/histories.csv")).unwrap();
     for column in &results.histories.columns {
