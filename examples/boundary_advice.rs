@@ -380,18 +380,19 @@ fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
 
     // Both meshes take one step.
     let step = 0.95 * scene.prepare()?.stable_step()?.step;
-    let run = |mesh: Mesh, kind: BoundaryKind, region: Option<Vec<u32>>| -> Outcome<HistoryTable> {
-        let scene = question.scene(mesh, advice.condition(kind)?, region)?;
-        let scene = scene.with_step(TimeStep::Seconds(step));
-        Ok(scene.prepare()?.run(RunHooks::default())?.histories)
-    };
-    let best = advice.candidates.first().ok_or("no candidate")?.kind;
+    let run =
+        |mesh: Mesh, kind: &BoundaryKind, region: Option<Vec<u32>>| -> Outcome<HistoryTable> {
+            let scene = question.scene(mesh, advice.condition(kind)?, region)?;
+            let scene = scene.with_step(TimeStep::Seconds(step));
+            Ok(scene.prepare()?.run(RunHooks::default())?.histories)
+        };
+    let best = &advice.candidates.first().ok_or("no candidate")?.kind;
     // Waves enter through the elements behind the small mesh's faces: both meshes carry them as far.
     let inside = (0..mesh.element_count() as u32).collect();
     let reference = run(wide, best, Some(inside))?;
     figures.report(&figure("stated"), question.stated(), "the stated error");
     for (place, candidate) in advice.candidates.iter().enumerate() {
-        let found = run(mesh.clone(), candidate.kind, None)?;
+        let found = run(mesh.clone(), &candidate.kind, None)?;
         let measured = largest_error(&probe_errors(&found, &reference)?);
         let (predicted, name) = (candidate.predicted, candidate.kind.name());
         println!("{name}: predicted {predicted:.4}, measured {measured:.4}");

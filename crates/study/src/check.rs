@@ -11,7 +11,7 @@ use crate::cost::{self, Clock, Cost};
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
-use crate::saving::{FormatError, Saving, Survey};
+use crate::saving::{FormatError, RefusedChange, RunTiming, Saving, Savings, Survey};
 use crate::static_cost::{self, Plans};
 
 /// Above this ratio of longest to shortest edge waves travel at different speeds along and across.
@@ -190,6 +190,8 @@ pub struct CheckReport {
     pub format: Option<FormatError>,
     /// The three changes that would save most, the best first.
     pub savings: Vec<Saving>,
+    /// Changes with which the scene is refused, and why.
+    pub refused: Vec<RefusedChange>,
 }
 
 /// Looks at a scene: mesh, frequencies, stable step, and what its stages and its run will cost. Some steps,
@@ -236,8 +238,16 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         memory: account.memory(steps),
         output: account.output(steps),
     };
-    let timing = (step, steps, of_step);
-    let (savings, format) = survey.best(&stable, &resolution, &mut clock, timing);
+    let timing = RunTiming {
+        step,
+        steps,
+        of_step,
+    };
+    let Savings {
+        best: savings,
+        refused,
+        format,
+    } = survey.best(&stable, &resolution, &mut clock, &timing);
     let doubtful = format.iter().filter(|format| format.is_doubtful());
     warnings.extend(doubtful.cloned().map(Warning::Format));
     Ok(CheckReport {
@@ -254,6 +264,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         warnings,
         format,
         savings,
+        refused,
     })
 }
 

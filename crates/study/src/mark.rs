@@ -21,11 +21,20 @@ pub(crate) struct Mark {
     /// The duration, if it is not the scene's (s).
     #[serde(skip_serializing_if = "Option::is_none", default)]
     duration: Option<f64>,
+    /// The version of a program's own laws, boundaries and kernels, if it says one.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    registered: String,
 }
 
 impl Mark {
-    /// The mark of a scene, of files by their bytes, and of a duration of its own.
-    pub(crate) fn of(scene: &str, files: &[Vec<u8>], duration: Option<f64>) -> Self {
+    /// The mark of a scene, of files by their bytes, of a duration of its own, and of the version of what is
+    /// registered.
+    pub(crate) fn of(
+        scene: &str,
+        files: &[Vec<u8>],
+        duration: Option<f64>,
+        registered: &str,
+    ) -> Self {
         let mut sum = Checksum::default();
         sum.add(scene.as_bytes());
         files.iter().for_each(|bytes| sum.add(bytes));
@@ -33,6 +42,7 @@ impl Mark {
             software: REVISION.into(),
             inputs: sum.text(),
             duration,
+            registered: registered.into(),
         }
     }
 
@@ -45,6 +55,7 @@ impl Mark {
         (path, scene): (&Path, &str),
         cases: &[String],
         duration: Option<f64>,
+        registered: &str,
     ) -> Result<BTreeMap<String, Self>, StudyError> {
         let mut all = table(path, scene)?;
         if let Some(toml::Value::Table(output)) = all.get_mut("output") {
@@ -57,7 +68,8 @@ impl Mark {
                 cases.retain(|own| is_case(own, case));
             }
             let files = files_of(path, &table)?;
-            Ok((case.clone(), Self::of(&table.to_string(), &files, duration)))
+            let mark = Self::of(&table.to_string(), &files, duration, registered);
+            Ok((case.clone(), mark))
         };
         cases.iter().map(of_case).collect()
     }

@@ -267,7 +267,7 @@ fn where_nothing_scatters_anything_will_do() {
         spreading: Spreading::Spherical,
         distances: [45.0; 3],
     };
-    let face = kind.face(&standing, 45.0);
+    let face = kind.face(&standing, 45.0).unwrap();
     assert!((face.normal_spring / (4.0 * ROCK.shear() / 45.0) - 1.0).abs() < 1e-12);
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::Scene;
+use super::{InputOverview, Scene};
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::format::{Allowance, Case, SceneFile};
 use crate::output::{NamedThing, check_names};
@@ -90,11 +90,13 @@ impl Scene {
         let found = scene.check_magnitudes().and_then(|()| scene.check_names());
         found.map_err(|error| scene.places.put(&source, error))?;
         scene.check_threads();
+        scene.input = InputOverview::of(&file, case);
         scene.directory = file.output.directory;
         scene.cases = cases;
         let on_request = file.cases.iter().filter(|case| case.on_request);
         scene.cases_on_request = on_request.map(|case| case.name.to_string()).collect();
         scene.case = case.map(str::to_owned);
+        scene.registry = Some(registry.clone());
         scene.source = Some(text);
         Ok(scene)
     }

@@ -7,6 +7,7 @@ mod joints;
 mod medium;
 mod memory;
 mod mirror;
+mod overview;
 mod prepare;
 mod region;
 mod rim;
@@ -19,6 +20,7 @@ pub use boundary::Boundary;
 pub(crate) use file::read_text;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
+pub use overview::{InputOverview, WaveOverview};
 pub(crate) use prepare::field_motion;
 pub use region::RegionError;
 pub(crate) use spans::{NOT_AT_REST, SceneSpans, StageSpans};
@@ -39,7 +41,9 @@ use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::output::{OutputPlan, ResultFolder};
-use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
+use crate::{
+    Error, InSituStress, Part, Registry, Remark, SceneBolts, SceneJoint, SceneStage, SceneText,
+};
 
 /// Nodes whose motion is given, in every model of a scene.
 pub(crate) struct PrescribedMotion {
@@ -160,6 +164,8 @@ pub struct Scene {
     pub(crate) cases_on_request: Vec<String>,
     /// The case of its file that it is.
     pub(crate) case: Option<String>,
+    pub(crate) input: InputOverview,
+    pub(crate) registry: Option<Registry>,
 }
 
 impl Scene {
@@ -202,6 +208,8 @@ impl Scene {
             cases: Vec::new(),
             cases_on_request: Vec::new(),
             case: None,
+            input: InputOverview::default(),
+            registry: None,
         }
     }
     /// Adds a part; every element of the mesh must belong to exactly one.
@@ -396,6 +404,18 @@ impl Scene {
     pub fn with_directory(mut self, path: impl Into<PathBuf>) -> Self {
         self.directory = Some(path.into());
         self
+    }
+
+    /// Sets the registry of names, as reading a file does: checks and advice of the scene then know the
+    /// boundaries and kernels that a program has registered.
+    #[must_use]
+    pub fn with_registry(mut self, registry: Registry) -> Self {
+        self.registry = Some(registry);
+        self
+    }
+    /// The registry that the scene was read with; none for one that was composed without.
+    pub fn registry(&self) -> Option<&Registry> {
+        self.registry.as_ref()
     }
 
     /// The title.

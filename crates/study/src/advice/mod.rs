@@ -41,7 +41,7 @@ mod setting;
 mod shell;
 
 pub use band::Band;
-pub use candidate::{BoundaryKind, Standing};
+pub use candidate::{BoundaryKind, RegisteredBoundary, Standing};
 pub(crate) use room::{Bounds, Room, kind_of};
 pub use room::{BoxAdvice, NearerFaces, Obstacle, advise_box};
 pub(crate) use setting::inner_free_surface;
@@ -50,7 +50,7 @@ pub use setting::{ArrivingWave, Drive, Setting};
 use std::sync::Arc;
 
 use powerhouse::boundary::Spreading;
-use powerhouse::model::{AbsorbingBoundary, ParameterError};
+use powerhouse::model::{AbsorbingBoundary, ModelError, ParameterError};
 use powerhouse::{Error, Scene};
 
 use crate::StudyError;
@@ -88,7 +88,7 @@ pub struct Candidate {
 }
 
 /// Faces that are farther away.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FartherFaces {
     /// The boundary on them.
     pub kind: BoundaryKind,
@@ -96,6 +96,25 @@ pub struct FartherFaces {
     pub times: f64,
     /// The error that is predicted there.
     pub predicted: f64,
+}
+
+/// A registered boundary that is no candidate.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LeftOut {
+    /// Its name in the registry.
+    pub name: String,
+    /// Why it is none.
+    pub reason: String,
+}
+
+impl LeftOut {
+    fn new(name: &str, reason: &str) -> Self {
+        Self {
+            name: name.into(),
+            reason: reason.into(),
+        }
+    }
 }
 
 /// Which boundary a scene needs.
@@ -116,6 +135,8 @@ pub struct BoundaryAdvice {
     pub model: Option<[usize; 2]>,
     /// The highest frequency that it carried (Hz).
     pub highest: f64,
+    /// Boundaries of the scene's registry that are no candidates, and why.
+    pub left_out: Vec<LeftOut>,
     /// Names of the faces of the bottom.
     bottom: Vec<String>,
     faces: Vec<String>,
@@ -134,7 +155,7 @@ impl BoundaryAdvice {
     ///
     /// # Errors
     /// None but for faces at the structure itself.
-    pub fn condition(&self, kind: BoundaryKind) -> Result<Arc<dyn AbsorbingBoundary>, StudyError> {
+    pub fn condition(&self, kind: &BoundaryKind) -> Result<Arc<dyn AbsorbingBoundary>, StudyError> {
         let condition = kind.condition(&self.standing, &self.bottom);
         Ok(condition.map_err(Error::from)?)
     }
@@ -150,18 +171,34 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
     let setting = Setting::of(scene)?;
     let faces = scene.boundary().map_or(Vec::new(), |b| b.faces.clone());
     let bottom = bottom_faces(scene)?;
-    let kinds: Vec<BoundaryKind> = (BoundaryKind::ALL.into_iter())
+    // What lasts would push the body away.
+    let holds = |kind: &BoundaryKind| kind.holds() || !scene.is_loaded_for_good();
+    let mut kinds: Vec<BoundaryKind> = (BoundaryKind::BUILT_IN.into_iter())
         .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&setting, &bottom))
-        // What lasts would push the body away.
-        .filter(|kind| kind.holds() || !scene.is_loaded_for_good())
+        .filter(holds)
         .collect();
-    let found = predictions(&setting, 1.0, &kinds)?;
+    let mut found = predictions(&setting, 1.0, &kinds)?;
     let distances = setting.least_distances();
     let standing = Standing {
         medium: setting.medium,
         spreading: setting.spreading,
         distances,
     };
+    let mut left_out = Vec::new();
+    for name in scene
+        .registry()
+        .iter()
+        .flat_map(|all| all.added_boundary_names())
+    {
+        match registered(scene, name, &setting, &standing) {
+            Ok((kind, error)) if holds(&kind) => {
+                kinds.push(kind);
+                found.errors.push(error);
+            }
+            Ok(_) => left_out.push(LeftOut::new(name, "it does not hold the body")),
+            Err(error) => left_out.push(LeftOut::new(name, &error.to_string())),
+        }
+    }
     let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
     let mean = match &setting.drive {
         Drive::Waves { band, .. } => band.mean(),
@@ -173,7 +210,7 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
     let mut candidates = Vec::with_capacity(kinds.len());
     for (kind, predicted) in kinds.iter().zip(&found.errors) {
         candidates.push(Candidate {
-            kind: *kind,
+            kind: kind.clone(),
             predicted: *predicted,
             nanoseconds,
             share_of_step,
@@ -192,6 +229,7 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
         farther: None,
         model: found.model,
         highest: found.highest,
+        left_out,
         bottom,
         faces,
         standing,
@@ -201,6 +239,23 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
         advice.farther = farther(&advice)?;
     }
     Ok(advice)
+}
+
+/// A registered boundary, and the error that it is predicted to make.
+fn registered(
+    scene: &Scene,
+    name: &str,
+    setting: &Setting,
+    standing: &Standing,
+) -> Result<(BoundaryKind, f64), StudyError> {
+    let condition = (scene.registry())
+        .and_then(|registry| registry.boundary_without_keys(name))
+        .ok_or_else(|| ModelError::refused(name, "it needs keys of its own"))
+        .map_err(Error::from)?;
+    let boundary = RegisteredBoundary::new(name, condition, standing).map_err(Error::from)?;
+    let kind = BoundaryKind::Registered(boundary);
+    let predicted = predicted_error(setting, 1.0, &kind)?;
+    Ok((kind, predicted))
 }
 
 /// Best first; sorting keeps the simpler of equals first.
@@ -287,9 +342,10 @@ fn predictions(
 pub(crate) fn predicted_error(
     setting: &Setting,
     farther: f64,
-    kind: BoundaryKind,
+    kind: &BoundaryKind,
 ) -> Result<f64, StudyError> {
-    Ok(predictions(setting, farther, &[kind])?.errors[0])
+    let kind = core::slice::from_ref(kind);
+    Ok(predictions(setting, farther, kind)?.errors[0])
 }
 
 /// The least distance tried at which the best boundary meets the stated error.
@@ -298,12 +354,12 @@ fn farther(advice: &BoundaryAdvice) -> Result<Option<FartherFaces>, StudyError> 
         return Ok(None);
     };
     for times in FARTHER {
-        let found = predictions(&advice.setting, times, &[best.kind])?;
-        if found.errors[0] <= advice.error {
+        let predicted = predicted_error(&advice.setting, times, &best.kind)?;
+        if predicted <= advice.error {
             return Ok(Some(FartherFaces {
-                kind: best.kind,
+                kind: best.kind.clone(),
                 times,
-                predicted: found.errors[0],
+                predicted,
             }));
         }
     }

@@ -137,6 +137,13 @@ impl fmt::Display for BoundaryAdvice {
                 }
             )?;
         }
+        for left_out in &self.left_out {
+            writeln!(
+                f,
+                "  {} is no candidate: {}",
+                left_out.name, left_out.reason
+            )?;
+        }
         writeln!(f, "\n{}", self.reason())?;
         match (self.named(), self.table()) {
             (Some(named), Some(table)) => write!(f, "named: {}\n\n{table}", named.kind.name()),

@@ -2,9 +2,9 @@
 
 use core::fmt;
 
-use powerhouse::Scene;
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::model::{AbsorbingBoundary, BoundarySite, Facet, Mesh, ParameterError, Vec3};
+use powerhouse::{Scene, keys};
 
 use super::{BoundaryKind, Setting, predicted_error};
 use crate::StudyError;
@@ -90,7 +90,7 @@ impl fmt::Display for BoxAdvice {
 
 /// The kind of a scene's boundary, as predictions have it.
 pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
-    if condition.name() == "viscous" {
+    if condition.name() == keys::VISCOUS {
         return BoundaryKind::Viscous;
     }
     let known = condition.as_any();
@@ -290,7 +290,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
     let mut advice = BoxAdvice {
         title: scene.title().to_owned(),
         error,
-        as_it_stands: predicted_error(setting, 1.0, kind)?,
+        as_it_stands: predicted_error(setting, 1.0, &kind)?,
         elements: scene.mesh().element_count(),
         nearer: None,
         obstacle: None,
@@ -307,7 +307,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
             }
         };
         // What leaves no room for a prediction is too near.
-        let Ok(predicted) = predicted_error(setting, share, kind) else {
+        let Ok(predicted) = predicted_error(setting, share, &kind) else {
             break;
         };
         // Waves that return may happen to cancel: nearer faces are not taken to err less than farther ones.

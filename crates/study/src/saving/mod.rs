@@ -221,12 +221,17 @@ impl FormatError {
             (Some(obstacle), _) => PredictedError::unknown(obstacle),
             (None, None) => PredictedError::unknown(NO_FILE),
             (None, Some(files)) => match files.own.prepare(files.own.duration) {
-                None => PredictedError::unknown("the scene does not run"),
-                Some(mut simulation) => {
+                Err(_) => PredictedError::unknown("the scene does not run"),
+                Ok(mut simulation) => {
                     let step = simulation.step()?;
                     let of_step = Clock::of(&mut simulation)?.time_of_step()?;
                     drop(simulation);
-                    let window = Window::of(files.own.clone(), &facts, (of_step, step), 1);
+                    let timing = RunTiming {
+                        step,
+                        steps: (files.own.duration / step).ceil() as u64 + 1,
+                        of_step,
+                    };
+                    let window = Window::of(files.own.clone(), &facts, &timing, 1);
                     against_double(files, &window)
                 }
             },
@@ -254,6 +259,52 @@ impl fmt::Display for FormatError {
             "number format \"{format}\" against double precision: {error}"
         )
     }
+}
+
+/// A change that could save much, but with which the scene is refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RefusedChange {
+    /// The change.
+    pub change: Change,
+    /// What refuses the changed scene.
+    pub reason: String,
+}
+
+impl RefusedChange {
+    fn new(change: Change, error: &StudyError) -> Self {
+        let reason = match error {
+            // Lines and columns are those of the changed text, which nobody sees.
+            StudyError::Scene(powerhouse::Error::Scene(fault)) => fault.problem().to_string(),
+            error => error.to_string(),
+        };
+        Self { change, reason }
+    }
+}
+
+impl fmt::Display for RefusedChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: refused, {}", self.change, self.reason)
+    }
+}
+
+/// Steps of a run.
+#[derive(Clone, Copy)]
+pub(crate) struct RunTiming {
+    /// Their length (s).
+    pub(crate) step: f64,
+    /// Their number.
+    pub(crate) steps: u64,
+    /// Wall time of one.
+    pub(crate) of_step: Duration,
+}
+
+/// Changes that save, and the error of the number format.
+pub(crate) struct Savings {
+    /// Those that save most, the best first.
+    pub(crate) best: Vec<Saving>,
+    pub(crate) refused: Vec<RefusedChange>,
+    pub(crate) format: Option<FormatError>,
 }
 
 /// What a change saves, and at what error.
@@ -322,19 +373,18 @@ impl Survey {
         })
     }
 
-    /// The changes that save most, those that save most first, and the error of the scene's number format;
-    /// a run has `steps` of a length `step` (s), each of which takes `of_step`.
+    /// The changes that save most, those that are refused, and the error of the scene's number format.
     pub(crate) fn best(
         self,
         stable: &StableStep,
         resolution: &[Resolution],
         clock: &mut Clock,
-        (step, steps, of_step): (f64, u64, Duration),
-    ) -> (Vec<Saving>, Option<FormatError>) {
+        timing: &RunTiming,
+    ) -> Savings {
         let elements = self.elements;
-        let mut savings = self.of_shape;
+        let (mut savings, mut refused) = (self.of_shape, Vec::new());
         if let Some(highest) = self.highest {
-            savings.extend(whole_step(stable, step, (highest, self.crossing)));
+            savings.extend(whole_step(stable, timing.step, (highest, self.crossing)));
             let larger = larger_elements(stable, resolution, (highest, self.crossing), elements);
             savings.extend(larger);
         }
@@ -342,14 +392,16 @@ impl Survey {
         if let Some(mut files) = self.files {
             let variants = core::mem::take(&mut files.variants);
             let windows = variants.len() + usize::from(self.format.is_some());
-            let window = Window::of(files.own.clone(), &self.facts, (of_step, step), windows);
+            let window = Window::of(files.own.clone(), &self.facts, timing, windows);
             if self.format.is_some() {
                 error = against_double(&files, &window);
             }
-            savings.extend(
-                (variants.into_iter())
-                    .filter_map(|variant| variant.saving((clock, steps), of_step, &window)),
-            );
+            for variant in variants {
+                match variant.saving(clock, timing, &window) {
+                    Ok(saving) => savings.extend(saving),
+                    Err(change) => refused.push(change),
+                }
+            }
         }
         let format = self.format.map(|(format, documented)| FormatError {
             format,
@@ -359,7 +411,11 @@ impl Survey {
         savings.retain(|saving| saving.time <= 1.0 - LEAST);
         savings.sort_by(|a, b| a.time.total_cmp(&b.time));
         savings.truncate(MOST);
-        (savings, format)
+        Savings {
+            best: savings,
+            refused,
+            format,
+        }
     }
 }
 

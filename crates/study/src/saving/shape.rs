@@ -236,7 +236,7 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     if setting.radius.is_none() {
         return Ok(None);
     }
-    let Ok(predicted) = predicted_error(setting, NEARER, kind) else {
+    let Ok(predicted) = predicted_error(setting, NEARER, &kind) else {
         return Ok(None);
     };
     // Nor is that offered which the mesh does not allow.

@@ -22,9 +22,9 @@ use std::time::Duration;
 
 use powerhouse::io::TableColumn;
 use powerhouse::model::{FieldMotion, Vec3};
-use powerhouse::{RunHooks, Scene, Simulation, TimeStep};
+use powerhouse::{Error, Registry, RunHooks, Scene, Simulation, TimeStep};
 
-use crate::registry;
+use super::RunTiming;
 use crate::trade::{Misfit, columns, misfits};
 
 /// The share of a run that is spent on a window of it, and the least time of all windows together.
@@ -38,24 +38,33 @@ const SHORTER: f64 = 0.998;
 const TELLING: f64 = 1e-9;
 
 /// A scene's file as text, to be read several times.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct SceneFile {
     pub(crate) text: String,
     pub(crate) path: PathBuf,
     pub(crate) duration: f64,
     pub(crate) threads: Option<usize>,
+    /// The names that the scene was read with.
+    pub(crate) registry: Registry,
 }
 
 impl SceneFile {
-    /// The scene for some time (s), ready to run; none if it is refused.
-    pub(crate) fn prepare(&self, duration: f64) -> Option<Simulation> {
-        self.scene(duration)?.prepare().ok()
+    /// The scene for some time (s), ready to run.
+    ///
+    /// # Errors
+    /// A scene that is refused.
+    pub(crate) fn prepare(&self, duration: f64) -> Result<Simulation, Error> {
+        self.scene(duration)?.prepare()
     }
 
-    pub(crate) fn scene(&self, duration: f64) -> Option<Scene> {
-        let scene = Scene::from_toml(self.text.clone(), self.path.clone(), &registry()).ok()?;
+    /// The scene for some time (s).
+    ///
+    /// # Errors
+    /// A scene that is refused.
+    pub(crate) fn scene(&self, duration: f64) -> Result<Scene, Error> {
+        let scene = Scene::from_toml(self.text.clone(), self.path.clone(), &self.registry)?;
         let scene = scene.with_duration(duration);
-        Some(match self.threads {
+        Ok(match self.threads {
             Some(threads) => scene.with_threads(threads),
             None => scene,
         })
@@ -123,14 +132,10 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The first part of the run of a scene's file of which a step takes `of_step` and is so long (s); it
-    /// will be compared with so many others.
-    pub(crate) fn of(
-        file: SceneFile,
-        facts: &Facts,
-        (of_step, step): (Duration, f64),
-        others: usize,
-    ) -> Self {
+    /// The first part of the run of a scene's file with steps of a timing; it will be compared with so many
+    /// others.
+    pub(crate) fn of(file: SceneFile, facts: &Facts, timing: &RunTiming, others: usize) -> Self {
+        let RunTiming { of_step, step, .. } = *timing;
         let duration = file.duration;
         let run = of_step.mul_f64((duration / step).ceil());
         let spent = run.mul_f64(SHARE).max(LEAST.div_f64((others + 1) as f64));
@@ -249,7 +254,7 @@ fn first_half(table: &[TableColumn]) -> Vec<TableColumn> {
 /// The histories of the first part (s) of a run, with a step (s) of its own unless that is unstable; none if
 /// it cannot be run.
 fn histories(file: &SceneFile, length: f64, step: Option<f64>) -> Option<Vec<TableColumn>> {
-    let mut simulation = file.prepare(length)?;
+    let mut simulation = file.prepare(length).ok()?;
     if let Some(step) = step
         && step <= simulation.stable_step().ok()?.step
     {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::model::Mesh;
-use powerhouse::{EquilibratedBody, Scene};
+use powerhouse::{EquilibratedBody, Registry, Scene};
 
 use super::locked;
 use crate::StudyError;
@@ -75,6 +75,10 @@ impl Bodies {
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
     sum.add(REVISION.as_bytes());
+    let version = scene.registry().map_or("", Registry::version);
+    if !version.is_empty() {
+        sum.add(version.as_bytes());
+    }
     add_mesh(&mut sum, scene.mesh());
     // Which nodes, and in which directions.
     let held = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());

@@ -9,8 +9,7 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    Doubt, EquilibratedBody, Error, Fault, ResultFolder, RunHooks, RunNotes, Scene, SceneFault,
-    SceneText, Simulation, format,
+    Doubt, EquilibratedBody, Error, ResultFolder, RunHooks, RunNotes, Scene, SceneText, Simulation,
 };
 
 use super::at_rest::{self, Bodies};
@@ -35,8 +34,7 @@ impl Sweep {
         bodies: &Bodies,
     ) -> Result<CaseOutcome, StudyError> {
         let scene = self.scene_of(case)?;
-        let as_case = format::decode_case(&self.text, case);
-        let input = CaseInput::of(&as_case.map_err(|fault| self.refused(fault))?, case);
+        let input = CaseInput::of(scene.input());
         let path = self.folder.join(case);
         let folder = ResultFolder::new(&path);
         let text = scene.source().map(|source| source.text.clone());
@@ -123,13 +121,6 @@ impl Sweep {
             return Err(StudyError::Changed { file });
         }
         Ok(scene)
-    }
-
-    /// A fault of the scene's text.
-    fn refused(&self, fault: Fault) -> StudyError {
-        let (path, text) = (self.scene.clone(), self.text.clone());
-        let fault = SceneFault::new(Arc::new(SceneText { path, text }), fault);
-        Error::from(fault).into()
     }
 }
 

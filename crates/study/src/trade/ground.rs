@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use powerhouse::{Registry, Remark, Scene};
+use powerhouse::{Registry, Remark, Scene, keys};
 use toml::Table;
 
 use super::factor::{Factor, Level, sets_acted_on};
@@ -13,7 +13,7 @@ use crate::advice::Room;
 const NEARER: [f64; 3] = [0.75, 0.5, 0.35];
 const WORTHWHILE: f64 = 0.85;
 /// Keys of a boundary by which its springs have distances of their own.
-const DISTANCES: [&str; 4] = ["distance", "x", "y", "z"];
+const DISTANCES: [&str; 4] = [keys::DISTANCE, keys::AXES[0], keys::AXES[1], keys::AXES[2]];
 
 /// The ground as far as it goes, and less of it, as long as what scatters, is recorded, is loaded or is moved stays in
 /// it; none if there is nothing to cut off, or if the boundary would not be that of less ground.
@@ -26,7 +26,7 @@ pub(super) fn ground(
     let is_given = |key: &&str| boundary.contains_key(*key);
     // How long waves past the critical angle take to set in depends on the box.
     let sets_in = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
-    if boundary.contains_key("region")
+    if boundary.contains_key(keys::REGION)
         || DISTANCES.iter().any(is_given)
         || scene.remarks().iter().any(sets_in)
     {

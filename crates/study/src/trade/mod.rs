@@ -41,7 +41,7 @@
 
 mod case;
 mod closed_form;
-mod factor;
+pub(crate) mod factor;
 mod finer_mesh;
 mod ground;
 mod misfit;
@@ -110,8 +110,22 @@ impl Trade {
     /// # Errors
     /// A scene that cannot be read; [`StudyError::NoHistories`] for one that records nothing to compare.
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
-        let (path, registry) = (path.as_ref(), registry());
-        let scene = Scene::from_file_with(path, &registry)?;
+        Self::of_file_with(path, folder, &registry())
+    }
+    /// The same with the names of a registry, whose own kernels of bricks, and boundaries that do without keys
+    /// of their own, are levels of their factors. Finished runs of an earlier trade are taken as they are,
+    /// also if the code of a registered law has changed, unless the
+    /// [version](powerhouse::Registry::with_version) of the registry has.
+    ///
+    /// # Errors
+    /// As [`of_file`](Self::of_file).
+    pub fn of_file_with(
+        path: impl AsRef<Path>,
+        folder: Option<PathBuf>,
+        registry: &Registry,
+    ) -> Result<Self, StudyError> {
+        let path = path.as_ref();
+        let scene = Scene::from_file_with(path, registry)?;
         let compared = Compared::of(&scene);
         if compared.quantities.is_empty() {
             return Err(StudyError::NoHistories);
@@ -123,8 +137,8 @@ impl Trade {
         })?;
         let own = scene.result_folder().path().join("trade");
         let mut factors = factor::factors(&scene, &file);
-        let ground = ground::ground(&scene, (&file, path), &registry);
-        let after = ["kernel", "step", "boundary"];
+        let ground = ground::ground(&scene, (&file, path), registry);
+        let after = [factor::KERNEL, factor::STEP, factor::BOUNDARY];
         let place = factors
             .iter()
             .take_while(|factor| after.contains(&factor.name));
@@ -146,7 +160,7 @@ impl Trade {
             nudge: Some(repeat::NUDGE),
             path: path.into(),
             file,
-            registry,
+            registry: registry.clone(),
         })
     }
     /// The same over the first seconds (s) of the run, its whole duration at most, instead of those until
@@ -348,7 +362,11 @@ impl Trade {
             if first && let Some(text) = self.nudged_text()? {
                 begun += 1;
                 watch.begins(repeat::NUDGED, begun);
-                let again = (text.as_str(), reference.as_slice(), goal);
+                let again = Perturbed {
+                    text: &text,
+                    reference,
+                    goal,
+                };
                 match self.unrepeated(again, &mut runner, watch) {
                     Ok(found) => unrepeated = found,
                     // What hardly gets through may not with hardly more.
@@ -404,7 +422,7 @@ impl Trade {
             return None;
         }
         let mut factors = self.factors.iter_mut();
-        let statics = factors.find(|factor| factor.name == "statics")?;
+        let statics = factors.find(|factor| factor.name == factor::STATICS)?;
         let finest = statics.levels.first()?.name.clone();
         *statics = statics.as_given_at_best()?;
         Some(finest)
@@ -513,7 +531,7 @@ impl Trade {
     /// waves.
     fn body_of(&self, design: &Design) -> String {
         self.places(design, |factor| {
-            !["step", "input", "output"].contains(&factor.name)
+            ![factor::STEP, factor::INPUT, factor::OUTPUT].contains(&factor.name)
         })
     }
 
@@ -526,7 +544,12 @@ impl Trade {
         (watch, name): (&mut dyn TradeWatch, &str),
     ) -> Result<Finished, StudyError> {
         let folder = self.folder.join(folder);
-        let mark = Mark::of(text, &self.inputs, Some(self.window));
+        let mark = Mark::of(
+            text,
+            &self.inputs,
+            Some(self.window),
+            self.registry.version(),
+        );
         if let Some(kept) = runner.kept(&folder, &mark)? {
             watch.kept(name);
             return Ok(kept);
@@ -570,7 +593,7 @@ impl Trade {
         let place = self
             .factors
             .iter()
-            .position(|factor| factor.name == "step")?;
+            .position(|factor| factor.name == factor::STEP)?;
         let coarser = cases.iter().find(|case| {
             let others = case.levels.iter().enumerate().filter(|(i, _)| *i != place);
             case.levels[place] == 1 && others.into_iter().all(|(_, level)| *level == 0)

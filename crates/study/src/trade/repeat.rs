@@ -21,6 +21,17 @@ const SHARE_OF_ERROR: f64 = 0.5;
 const WITHOUT_ERROR: f64 = 0.01;
 const LEAST_CHANGE: f64 = 10.0;
 
+/// Run of the reference under waves that are hardly changed.
+#[derive(Clone, Copy)]
+pub(super) struct Perturbed<'a> {
+    /// Its scene.
+    pub(super) text: &'a str,
+    /// Histories of the reference.
+    pub(super) reference: &'a [TableColumn],
+    /// Goal of the trade, which decides on the change that histories may show.
+    pub(super) goal: Goal,
+}
+
 impl Trade {
     /// The file of the reference under waves that are hardly changed; none without history variables, no wave
     /// comes in, or all histories count.
@@ -50,10 +61,15 @@ impl Trade {
     /// [`StudyError::NothingRepeats`]; what a run may fail with.
     pub(super) fn unrepeated(
         &self,
-        (text, reference, goal): (&str, &[TableColumn], Goal),
+        perturbed: Perturbed,
         runner: &mut TradeRunner,
         watch: &mut dyn TradeWatch,
     ) -> Result<Vec<Unrepeated>, StudyError> {
+        let Perturbed {
+            text,
+            reference,
+            goal,
+        } = perturbed;
         let design = vec![0; self.factors.len()];
         let folder = format!("{}-{FOLDER}", self.places(&design, |_| true));
         let body = self.body_of(&design);
