@@ -1,5 +1,6 @@
 //! The shape of the workspace, read from its manifests and sources.
 
 mod dependencies;
+mod growth;
 mod manifests;
 mod sources;

@@ -35,7 +35,7 @@ fn files_below(directory: &Path) -> Vec<PathBuf> {
 }
 
 /// Path and text of every Rust file of the workspace.
-fn rust_files() -> Vec<(PathBuf, String)> {
+pub(crate) fn rust_files() -> Vec<(PathBuf, String)> {
     files_below(&workspace())
         .into_iter()
         .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))

@@ -14,6 +14,9 @@
 //! # Ok::<(), powerhouse::Error>(())
 //! ```
 //!
+//! A program begins with [`prelude`]. Methods that set a value of a [`Scene`], a [`Part`] or an [`OutputPlan`]
+//! are called `with_x`, those that return it `x`; methods named by a singular noun add one item to a list.
+//!
 //! # Conventions
 //! SI units, z up, tension positive. Incidence is measured from the vertical; azimuth is the
 //! horizontal direction of travel, from +x towards +y. t = 0 of a record is its arrival at the
@@ -24,7 +27,11 @@
 //! do what the other cannot.
 //!
 //! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are
-//! registered beside those that come with the software and named in scene files like them.
+//! registered beside those that come with the software and named in scene files like them. A scene keeps
+//! the registry that it was read with, so that checks and advice know the same names.
+//!
+//! *Tables of scene files are private.* Scene files get new keys; a program that composes scenes uses
+//! [`Scene`], one that edits files takes names from [`keys`].
 //!
 //! *Guards stand where the model is built.* What surrounds a body is checked when a scene is
 //! prepared, by sampling the field at the nodes that it drives: is it at rest where the body is, of
@@ -59,6 +66,7 @@ mod known;
 mod magnitude;
 mod output;
 mod part;
+pub mod prelude;
 mod reduction;
 mod registry;
 mod remark;
@@ -75,6 +83,10 @@ pub use powerhouse_io as io;
 pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
 pub use powerhouse_wavefield as wavefield;
+
+/// The crates of linear algebra and of schemas whose types stand in public signatures, in the versions in use.
+pub use powerhouse_model::nalgebra;
+pub use schemars;
 
 pub use damping::{Damping, DampingCost};
 pub use doubt::{Doubt, RunNotes, Topic, together};

@@ -104,10 +104,8 @@ impl Level {
             }
             Change::Boundary { kind, takes } => {
                 if let Some(Value::Table(boundary)) = file.get_mut("boundary") {
-                    let is_left = |key: &String| {
-                        keys::BOUNDARY.contains(&key.as_str()) || takes.contains(key)
-                    };
-                    boundary.retain(|key, _| is_left(key));
+                    let takes = |key: &str| takes.iter().any(|taken| taken == key);
+                    boundary.retain(|key, _| keys::BOUNDARY.contains(&key) || takes(key));
                     boundary.insert(keys::KIND.into(), kind.as_str().into());
                 }
             }
@@ -199,7 +197,7 @@ impl Factor {
 /// What a scene leaves to choose, what matters most first.
 pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     let found = [
-        kernel(scene),
+        kernel(scene, file),
         step(file),
         boundary(scene, file),
         input(scene, file),
@@ -221,7 +219,7 @@ pub(crate) fn one_point() -> &'static str {
 
 /// The kernels that bricks may have, those of a program after those of the software, if there are bricks, in all
 /// parts that have some and do not choose a kernel of other elements.
-fn kernel(scene: &Scene) -> Option<Factor> {
+fn kernel(scene: &Scene, file: &Table) -> Option<Factor> {
     let mesh = scene.mesh();
     let (mut names, mut sets) = (Vec::new(), Vec::new());
     for part in scene.parts() {
@@ -231,7 +229,11 @@ fn kernel(scene: &Scene) -> Option<Factor> {
         if of_others || !elements.iter().any(|&e| mesh.kind(e) == ElementKind::Hex8) {
             continue;
         }
-        names.push(own.map_or(one_point(), |kernel| kernel.name()).to_owned());
+        // A registered kernel may have another name of its own.
+        let named = (listed(file, "part").find(|other| word(other, "set") == Some(&part.set)))
+            .and_then(|other| word(other, "kernel"));
+        let name = named.or(own.map(|kernel| kernel.name()));
+        names.push(name.unwrap_or(one_point()).to_owned());
         sets.push(part.set.to_string());
     }
     names.sort_unstable();
@@ -494,7 +496,7 @@ mod tests {
         for set in ["bricks", "wedges"] {
             scene = scene.part(Part::new(set, LinearElastic::new(media::ROCK).into()));
         }
-        let factor = kernel(&scene).unwrap();
+        let factor = kernel(&scene, &Table::new()).unwrap();
         assert_eq!((factor.levels.len(), factor.own), (2, 1));
         let mut file: Table =
             toml::from_str("[[part]]\nset = \"bricks\"\n[[part]]\nset = \"wedges\"").unwrap();

@@ -75,6 +75,7 @@ pub(crate) use misfit::{Misfit, misfits};
 use plan::{Design, ErrorAndCost};
 use quantity::Compared;
 pub use quantity::Quantity;
+use repeat::Perturbed;
 pub use report::{
     Goal, MeshError, Reference, Silent, TradeCase, TradeReport, TradeWatch, Unrepeated,
 };
@@ -112,10 +113,8 @@ impl Trade {
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
         Self::of_file_with(path, folder, &registry())
     }
-    /// The same with the names of a registry, whose own kernels of bricks, and boundaries that do without keys
-    /// of their own, are levels of their factors. Finished runs of an earlier trade are taken as they are,
-    /// also if the code of a registered law has changed, unless the
-    /// [version](powerhouse::Registry::with_version) of the registry has.
+    /// The same with the names of a registry: its own kernels of bricks, and boundaries that do without keys, are
+    /// levels. Finished runs count until its [version](powerhouse::Registry::with_version) changes.
     ///
     /// # Errors
     /// As [`of_file`](Self::of_file).
@@ -362,11 +361,7 @@ impl Trade {
             if first && let Some(text) = self.nudged_text()? {
                 begun += 1;
                 watch.begins(repeat::NUDGED, begun);
-                let again = Perturbed {
-                    text: &text,
-                    reference,
-                    goal,
-                };
+                let again = Perturbed::new(&text, reference, goal);
                 match self.unrepeated(again, &mut runner, watch) {
                     Ok(found) => unrepeated = found,
                     // What hardly gets through may not with hardly more.

@@ -25,11 +25,21 @@ const LEAST_CHANGE: f64 = 10.0;
 #[derive(Clone, Copy)]
 pub(super) struct Perturbed<'a> {
     /// Its scene.
-    pub(super) text: &'a str,
+    text: &'a str,
     /// Histories of the reference.
-    pub(super) reference: &'a [TableColumn],
+    reference: &'a [TableColumn],
     /// Goal of the trade, which decides on the change that histories may show.
-    pub(super) goal: Goal,
+    goal: Goal,
+}
+
+impl<'a> Perturbed<'a> {
+    pub(super) fn new(text: &'a str, reference: &'a [TableColumn], goal: Goal) -> Self {
+        Self {
+            text,
+            reference,
+            goal,
+        }
+    }
 }
 
 impl Trade {
