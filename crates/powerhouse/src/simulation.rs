@@ -309,9 +309,9 @@ impl Simulation {
             rested = Some(stages);
         }
         if let Some(field) = self.initial.take() {
-            let now = (self.model.time(), step);
             let nodes = self.mesh.positions();
-            let (displacement, velocity) = field_motion(field.as_ref(), nodes, now)?;
+            let (displacement, velocity) =
+                field_motion(field.as_ref(), nodes, self.model.time(), step)?;
             self.model.set_initial(&displacement, &velocity)?;
         }
         let mut options = self.options(RunOptions::seconds(self.duration), step);

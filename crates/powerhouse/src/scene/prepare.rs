@@ -261,7 +261,8 @@ impl Scene {
 pub(crate) fn field_motion(
     field: &dyn IncidentField,
     points: &[Vec3],
-    (time, step): (f64, f64),
+    time: f64,
+    step: f64,
 ) -> Result<(Vec<Vec3>, Vec<Vec3>), Error> {
     let sampler = field.prepare(points)?;
     let mut motion = vec![powerhouse_model::FieldMotion::default(); points.len()];

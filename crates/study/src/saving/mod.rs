@@ -384,8 +384,12 @@ impl Survey {
         let elements = self.elements;
         let (mut savings, mut refused) = (self.of_shape, Vec::new());
         if let Some(highest) = self.highest {
-            savings.extend(whole_step(stable, timing.step, (highest, self.crossing)));
-            let larger = larger_elements(stable, resolution, (highest, self.crossing), elements);
+            let waves = Passage {
+                highest,
+                crossing: self.crossing,
+            };
+            savings.extend(whole_step(stable, timing.step, waves));
+            let larger = larger_elements(stable, resolution, waves, elements);
             savings.extend(larger);
         }
         let mut error = PredictedError::unknown(NO_FILE);
@@ -419,11 +423,20 @@ impl Survey {
     }
 }
 
+/// Waves on their way through the body.
+#[derive(Clone, Copy)]
+struct Passage {
+    /// Highest frequency that counts (Hz).
+    highest: f64,
+    /// Time of shear waves through the body (s).
+    crossing: f64,
+}
+
 /// What the whole stable step saves: central differences shorten periods by `(w dt)^2 / 24`, which at the
 /// highest frequency shifts waves through the body by so many radians.
-fn whole_step(stable: &StableStep, step: f64, (highest, crossing): (f64, f64)) -> Option<Saving> {
+fn whole_step(stable: &StableStep, step: f64, waves: Passage) -> Option<Saving> {
     let share = step / stable.step;
-    let rate = TAU * highest;
+    let (rate, crossing) = (TAU * waves.highest, waves.crossing);
     (share < 1.0).then(|| Saving {
         change: Change::WholeStep,
         steps: share,
@@ -444,7 +457,7 @@ fn whole_step(stable: &StableStep, step: f64, (highest, crossing): (f64, f64)) -
 fn larger_elements(
     stable: &StableStep,
     resolution: &[Resolution],
-    (highest, crossing): (f64, f64),
+    waves: Passage,
     elements: usize,
 ) -> Option<Saving> {
     let times = stable.next_set_bound? / stable.element_bound;
@@ -454,7 +467,7 @@ fn larger_elements(
     if !(times > WORTH && few && by_size) {
         return None;
     }
-    let rate = TAU * highest;
+    let (rate, crossing) = (TAU * waves.highest, waves.crossing);
     let wave_number = rate / of_set.s_speed;
     // Few elements among others share the mass of their nodes: the step is already longer than theirs alone.
     let steps = stable.step / (ASSEMBLED * stable.next_set_bound?);
