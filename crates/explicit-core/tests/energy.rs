@@ -41,7 +41,7 @@ fn box_with_input(mesh: &Mesh, links: Links) -> ModelBuilder<'_> {
             Vec3::new(1e4, 2e3, -3e4),
             Box::new(pulse),
         )))
-        .boundary(BoundaryParts::default().with_impedance(impedance.collect()))
+        .boundary(BoundaryParts::default().with_impedance(impedance))
 }
 
 fn go(

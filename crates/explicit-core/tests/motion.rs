@@ -266,7 +266,7 @@ fn with_everything(
             Vec3::new(0.1, 0.0, -1.0),
             Box::new(|t: f64| (50.0 * t).sin()),
         )
-        .boundary(powerhouse_model::BoundaryParts::default().with_impedance(impedance.collect()))
+        .boundary(powerhouse_model::BoundaryParts::default().with_impedance(impedance))
 }
 
 /// A run that is interrupted, exported and continued in another model has the bits of one that was

@@ -133,7 +133,7 @@ fn damped_box(mesh: &Mesh, precision: Precision, lanes: LaneWidth, threads: usiz
             Vec3::new(0.0, 1.0, -9.81),
             Box::new(|t: f64| (300.0 * t).sin()),
         )
-        .boundary(BoundaryParts::default().with_impedance(impedance.collect()))
+        .boundary(BoundaryParts::default().with_impedance(impedance))
         .threads(threads)
         .part_size(40)
         .build()

@@ -193,7 +193,7 @@ impl BoundaryParts {
     }
     /// The same with these input forces added.
     #[must_use]
-    pub fn with_loads(mut self, loads: impl IntoIterator<Item = Box<dyn NodalLoad>>) -> Self {
+    pub fn with_loads(mut self, loads: Vec<Box<dyn NodalLoad>>) -> Self {
         self.loads.extend(loads);
         self
     }

@@ -1,4 +1,4 @@
-//! Laws of the software as materials.
+//! Conversion of the software's laws into materials.
 
 use powerhouse_material_damage::{
     DruckerPrager, ElastoPlastic, HoekBrown, LeeFenves, LinearElastic, Mazars, MohrCoulomb,

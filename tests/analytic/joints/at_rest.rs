@@ -27,7 +27,7 @@ fn sprung<'a>(
     let impedance = nodes
         .iter()
         .map(|&node| NodalImpedance::new(node, spring, Mat3::zeros()));
-    builder.boundary(BoundaryParts::default().with_impedance(impedance.collect()))
+    builder.boundary(BoundaryParts::default().with_impedance(impedance))
 }
 
 fn relaxed(model: &mut Model) -> StaticReport {

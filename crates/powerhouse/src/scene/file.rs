@@ -10,8 +10,8 @@ use crate::output::{NamedThing, check_names};
 use crate::{Error, Registry, SceneDoubt, format, resolve};
 
 impl Scene {
-    /// Reads a scene file, its mesh and its records; laws, kernels and boundaries are those that
-    /// come with the software.
+    /// Scene of a file, with its mesh and its records; laws, kernels and boundaries are those that come with
+    /// the software.
     ///
     /// # Errors
     /// [`Error::Scene`] with file, line and column for everything that is wrong with the scene,
@@ -19,7 +19,7 @@ impl Scene {
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         Self::from_file_with(path, &Registry::default())
     }
-    /// The same with the names of a registry.
+    /// Scene of a file whose laws, kernels and boundaries are those of a registry.
     ///
     /// # Errors
     /// As [`from_file`](Self::from_file).
@@ -27,7 +27,7 @@ impl Scene {
         let path = path.as_ref();
         Self::from_toml(read_text(path)?, path, registry)
     }
-    /// Reads a case of a scene file: the scene with what the case changes.
+    /// Scene of a case of a file: the scene with the keys that the case changes.
     ///
     /// # Errors
     /// As [`from_file`](Self::from_file), and [`Error::NoSuchCase`].
@@ -39,7 +39,7 @@ impl Scene {
         let path = path.as_ref();
         Self::compose(read_text(path)?, path.into(), Some(case), registry)
     }
-    /// Reads a scene from text. `path` is the name in messages, and its folder the one that paths
+    /// Scene of a text in TOML. `path` is the name in messages, and its folder the one that paths
     /// in the scene are relative to.
     ///
     /// # Errors

@@ -7,17 +7,17 @@ use thiserror::Error;
 use super::{Scene, SceneSpans};
 use crate::Error;
 
-/// How the other half of a body moves.
+/// Parity of the motion about a symmetry plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// As the mirror image of this half.
+    /// Symmetric: the other half moves as the mirror image of this half.
     Symmetric,
-    /// As the mirror image with the opposite sign.
+    /// Antisymmetric: the other half moves as the mirror image with the opposite sign.
     Antisymmetric,
 }
 
 impl Parity {
-    /// Its name in messages.
+    /// Name of the parity in messages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -36,7 +36,7 @@ impl Parity {
     }
 }
 
-/// A plane at which half of a body stands for the whole.
+/// Symmetry plane at which half of a body is modelled in place of the whole.
 ///
 /// Nodes on it do not move along its normal if the motion is symmetric, nor across the normal if it is
 /// antisymmetric. Loads and prescribed motions are taken to have the same parity; waves, weights and
@@ -59,7 +59,7 @@ pub struct Mirror {
     pub nodes: Vec<u32>,
     /// Normal of the plane, of any length but zero.
     pub normal: Vec3,
-    /// How the other half moves.
+    /// Parity of the motion.
     pub parity: Parity,
 }
 
@@ -80,7 +80,7 @@ impl Mirror {
     }
 }
 
-/// Why half of a body does not stand for the whole.
+/// Why a symmetry plane is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MirrorError {

@@ -62,35 +62,35 @@ impl From<Prescribed> for PrescribedMotion {
     }
 }
 
-/// The time step of a run.
+/// Time step of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeStep {
-    /// This share of the stable step, above 0 and at most 1.
+    /// Share of the stable step, above 0 and at most 1.
     OfStable(f64),
-    /// A step (s); refused if it is above the stable one.
+    /// Length (s); refused if it is above the stable step.
     Seconds(f64),
 }
 
-/// The residual of the energy balance at which a run stops, over the largest energy held or put in
-/// until then.
+/// Largest permitted residual of the energy balance, over the largest energy held or put in until then; a run
+/// stops above it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ResidualLimit {
     /// 1e-7 in double precision, 1e-4 in mixed, 1e-2 in single.
     #[default]
     OfPrecision,
-    /// This share.
+    /// A share above 0 and at most 1.
     Share(f64),
-    /// The balance is not kept, unless energies are recorded, and stops nothing.
+    /// No limit: the balance is not kept unless energies are recorded.
     Unchecked,
 }
 
-/// The body's motion at the start.
+/// Motion of the body at the start of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InitialMotion {
-    /// At rest.
+    /// Zero displacement and velocity.
     #[default]
     Rest,
-    /// The motion of the incident field.
+    /// Displacement and velocity of the incident field.
     Field,
 }
 

@@ -25,8 +25,8 @@ pub(crate) struct Moving<'a> {
 }
 
 impl Scene {
-    /// Builds the model: checks everything, renumbers, packs elements, prepares the boundary. Stages
-    /// are looked at, not gone through: that is the run's.
+    /// Simulation of the scene: model built and checked, nodes renumbered, elements packed, boundary prepared.
+    /// Construction stages are checked here and computed by the run.
     ///
     /// # Errors
     /// The first thing that does not fit, named by the user's sets and numbers.

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::{InitialMotion, Scene};
 use crate::{Damping, Error, Remark, reduction_layer};
 
-/// Why a field cannot enter through the layer around a region.
+/// Why domain reduction through the layer around a region is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RegionError {

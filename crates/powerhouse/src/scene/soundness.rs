@@ -1,4 +1,4 @@
-//! What can hardly be meant of a scene, whether it was read from a file or composed.
+//! Checks of magnitudes, names, threads and supports of a scene, from a file or composed.
 
 use std::collections::BTreeSet;
 
@@ -15,13 +15,13 @@ use crate::{Error, Remark};
 const ALONG: f64 = 0.17;
 
 impl Scene {
-    /// Lets the scene have magnitudes beyond what is usual of ground and structures; each is a remark then.
+    /// Permits magnitudes beyond what is usual of ground and structures; each is a warning then.
     #[must_use]
     pub fn allow_magnitudes(mut self) -> Self {
         self.magnitudes_allowed = true;
         self
     }
-    /// Whether it may have magnitudes beyond what is usual.
+    /// Whether magnitudes beyond what is usual are permitted.
     pub fn allows_magnitudes(&self) -> bool {
         self.magnitudes_allowed
     }
