@@ -169,7 +169,7 @@ fn the_table_makes_the_boundary_that_is_named() {
     let pasted = histories(folder.read(&table));
     let mut scene = folder.read(BOUNDARY);
     let mut boundary = scene.boundary().unwrap().clone();
-    boundary.condition = generous.condition(named.kind).unwrap();
+    boundary.condition = generous.condition(&named.kind).unwrap();
     scene = scene.with_boundary(boundary);
     assert_eq!(pasted, histories(scene), "{table}");
     assert!(generous.to_string().contains(&table));
