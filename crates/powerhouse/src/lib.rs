@@ -23,28 +23,27 @@
 //! corner of the mesh's box that the wave hits first, unless a reference point is given.
 //!
 //! # Why so
-//! *One type.* A scene file is turned into the same [`Scene`] that Rust users compose: neither can
-//! do what the other cannot.
+//! *One type.* A scene file is turned into the same [`Scene`] that programs compose: neither can do what the
+//! other cannot.
 //!
-//! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are
-//! registered beside those that come with the software and named in scene files like them. A scene keeps
-//! the registry that it was read with, so that checks and advice know the same names.
+//! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are registered
+//! beside those that come with the software and named in scene files like them. A scene keeps the registry that
+//! it was read with, so that checks and advice know the same names.
 //!
-//! *Tables of scene files are private.* Scene files get new keys; a program that composes scenes uses
-//! [`Scene`], one that edits files takes names from [`keys`].
+//! *Tables of scene files are private.* Scene files get new keys; a program that composes scenes uses [`Scene`],
+//! one that edits files takes names from [`keys`].
 //!
-//! *Guards stand where the model is built.* What surrounds a body is checked when a scene is
-//! prepared, by sampling the field at the nodes that it drives: is it at rest where the body is, of
-//! one medium, without traction where the mesh is free? So scenes from files and from Rust, and
-//! fields of one's own, are guarded alike.
+//! *The surroundings of a body are checked when a scene is prepared*, by sampling the incident field at the nodes
+//! through which it enters: the body must start with the field's motion, the ground must be of one medium, free
+//! surfaces must be without traction. So scenes from files and from programs, and fields of a user's own, are
+//! checked alike.
 //!
-//! *Stages are looked at when a scene is prepared, and gone through when it is run.* A check costs
-//! no static solution: masses, stiffness and with them the stable step of the body that will move are
-//! those of its elements, wherever they have moved until then.
+//! *Construction stages are checked when a scene is prepared and computed when it is run.* A check needs no
+//! static solution: masses, stiffness and the stable step are those of the elements that are present in the
+//! motion, wherever they have moved until then.
 //!
-//! *A fault has a place.* Every value of a scene file keeps the bytes that it was read from, so
-//! that whatever is wrong with it, be it found by the parser, by a look into the mesh or by another
-//! crate, is shown where it stands, before any work is done.
+//! *A fault has a position.* Every value of a scene file keeps the bytes that it was read from, so that a fault,
+//! found by the parser, in the mesh or by another crate, is shown at its line and column before the run.
 
 mod acting;
 mod builtin;

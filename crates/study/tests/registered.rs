@@ -115,12 +115,12 @@ faces = ["left", "right", "front", "back", "bottom"]
 scatterer = [60, 60, 120]
 b = 1
 [time]
-duration = 0.1
+duration = 0.3
 [output]
 every = 0.01
 [[output.history]]
-name = "top"
-at = [60, 60, 120]
+name = "middle"
+at = [60, 60, 60]
 quantities = ["displacement"]
 "#;
 
@@ -187,8 +187,7 @@ fn a_registered_law_is_swept() {
 fn registered_parts_are_traded() {
     let folder = Folder::new("trade", SCENE);
     let trade = Trade::of_file_with(folder.scene(), folder.out(), &own()).unwrap();
-    let mut trade =
-        (trade.window(0.05).only(&["boundary", "kernel"]).unwrap()).with_every_history();
+    let mut trade = (trade.window(0.2).only(&["boundary", "kernel"]).unwrap()).with_every_history();
     let levels = |name: &str| -> Vec<String> {
         let mut factors = trade.factors().iter();
         let factor = factors.find(|factor| factor.name == name).unwrap();
