@@ -13,7 +13,7 @@ use powerhouse::{Kernel, Material, Registry, Scene};
 use powerhouse_study::saving::{Change, FormatError};
 use powerhouse_study::sweep::Sweep;
 use powerhouse_study::trade::{Goal, Silent, Trade};
-use powerhouse_study::{StudyError, advise_boundary, check, registry, sweep};
+use powerhouse_study::{advise_boundary, check, registry, sweep};
 
 /// Soil whose shear modulus falls with the shear strain (Hardin & Drnevich 1972).
 #[derive(Clone)]
@@ -283,14 +283,4 @@ fn a_registered_boundary_is_a_candidate() {
             .iter()
             .all(|candidate| candidate.kind.name() != "dashpots")
     );
-}
-
-/// A scene of a registered law that is read without the registry is refused by its name.
-#[test]
-fn what_is_not_registered_is_refused_by_name() {
-    let folder = Folder::new("refused", SCENE);
-    let Err(StudyError::Scene(error)) = Trade::of_file(folder.scene(), folder.out()) else {
-        panic!("an unknown law went unseen");
-    };
-    assert!(error.to_string().contains("hyperbolic"), "{error}");
 }
