@@ -97,10 +97,7 @@ fn body(
 /// of a long run less that of a short one, all of them in turn.
 fn costs_of_runs(law: &Material, mesh: &Mesh, yielding: Yielding) -> [f64; 2] {
     let (mut model, start, step) = body(law, mesh, yielding, Precision::F64);
-    let check = EnergyCheck {
-        by_set: false,
-        ..EnergyCheck::every(u64::MAX)
-    };
+    let check = EnergyCheck::every(u64::MAX).with_by_set(false);
     let [short, long] = [2, 12];
     let mut least = [[f64::INFINITY; 2]; 2];
     for _ in 0..REPETITIONS {

@@ -64,22 +64,19 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
         })
         .flatten()
         .collect();
-    let output = OutputPlan {
-        every: 1e-3,
-        ..OutputPlan::default()
-    };
+    let output = OutputPlan::default().with_every(1e-3);
     let scene = Scene::new("absorbing box", mesh)
         .part(Part::new(
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
         .load(NodalForce::new(centre, force, Box::new(push)))
-        .duration(DURATION)
-        .output(output.history("beside", beside, Motion::DISPLACEMENT));
+        .with_duration(DURATION)
+        .with_output(output.history("beside", beside, Motion::DISPLACEMENT));
     let scene = match faces {
         Faces::Held => scene.support(Support::fixed(held)),
         Faces::Absorbing(condition) => {
-            scene.boundary(Boundary::new(condition, FACES).scatterer(Vec3::zeros()))
+            scene.with_boundary(Boundary::new(condition, FACES).with_scatterer(Vec3::zeros()))
         }
     };
     let results = scene.prepare()?.run(RunHooks::default())?;

@@ -107,13 +107,14 @@ impl BlockWave {
         let faces = ["left", "right", "front", "back", "bottom"];
         let simulation = Scene::new("free field", cube)
             .part(part)
-            .boundary(Boundary::new(choices.boundary.clone(), faces).scatterer(centre))
-            .field(field)
-            .precision(choices.precision)
-            .step(TimeStep::OfStable(choices.step))
-            .start(self.start, self.initial)
-            .duration(self.duration)
-            .output(OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT))
+            .with_boundary(Boundary::new(choices.boundary.clone(), faces).with_scatterer(centre))
+            .with_field(field)
+            .with_precision(choices.precision)
+            .with_step(TimeStep::OfStable(choices.step))
+            .with_start_time(self.start)
+            .with_initial_motion(self.initial)
+            .with_duration(self.duration)
+            .with_output(OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT))
             .prepare()?;
         let started = Instant::now();
         let results = simulation.run(RunHooks::default())?;

@@ -82,10 +82,7 @@ const MOTION: Motion = Motion {
 
 /// Output of the motion of several points at every step.
 fn output(places: &[(&str, ObservationPoint)], wanted: Motion) -> OutputPlan {
-    let every_step = OutputPlan {
-        every: f64::MIN_POSITIVE,
-        ..OutputPlan::default()
-    };
+    let every_step = OutputPlan::default().with_every(f64::MIN_POSITIVE);
     let places = places.iter().cloned();
     places.fold(every_step, |output, (name, spot)| {
         output.history(name, spot, wanted)
@@ -204,12 +201,13 @@ impl Question for Slice {
                 Material::from(LinearElastic::new(rock()?)),
             ))
             .support(Support::roller(cuts, Vec3::y()))
-            .plane_waves(vec![wave])?
-            .boundary(boundary(condition, &Self::FACES, centre, region))
-            .start(start, InitialMotion::Rest)
-            .duration(end - start)
-            .energy_residual(ResidualLimit::Unchecked)
-            .output(output(&places, MOTION)))
+            .with_plane_waves(vec![wave])?
+            .with_boundary(boundary(condition, &Self::FACES, centre, region))
+            .with_start_time(start)
+            .with_initial_motion(InitialMotion::Rest)
+            .with_duration(end - start)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_output(output(&places, MOTION)))
     }
 }
 
@@ -290,12 +288,13 @@ impl Question for Block {
                 "rock",
                 Material::from(LinearElastic::new(rock()?)),
             ))
-            .plane_waves(vec![wave])?
-            .boundary(boundary(condition, &Self::FACES, self.centre(), region))
-            .start(start, InitialMotion::Rest)
-            .duration(end - start)
-            .energy_residual(ResidualLimit::Unchecked)
-            .output(output(&places, MOTION)))
+            .with_plane_waves(vec![wave])?
+            .with_boundary(boundary(condition, &Self::FACES, self.centre(), region))
+            .with_start_time(start)
+            .with_initial_motion(InitialMotion::Rest)
+            .with_duration(end - start)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_output(output(&places, MOTION)))
     }
 }
 
@@ -366,11 +365,11 @@ impl Question for Sphere {
                 "rock",
                 Material::from(LinearElastic::new(rock()?)),
             ))
-            .boundary(boundary(condition, &["outside"], Vec3::zeros(), None))
+            .with_boundary(boundary(condition, &["outside"], Vec3::zeros(), None))
             .load(pressure)
-            .duration(self.duration)
-            .energy_residual(ResidualLimit::Unchecked)
-            .output(output(&places, Motion::DISPLACEMENT));
+            .with_duration(self.duration)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_output(output(&places, Motion::DISPLACEMENT));
         Ok(supports.into_iter().fold(scene, Scene::support))
     }
 }
@@ -386,18 +385,19 @@ fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
 
     // Both meshes have the same time step.
     let step = 0.95 * scene.prepare()?.stable_step()?.step;
-    let run = |mesh: Mesh, kind: BoundaryKind, region: Option<Vec<u32>>| -> Outcome<HistoryTable> {
-        let scene = question.scene(mesh, advice.condition(kind)?, region)?;
-        let scene = scene.step(TimeStep::Seconds(step));
-        Ok(scene.prepare()?.run(RunHooks::default())?.histories)
-    };
-    let best = advice.candidates.first().ok_or("no candidate")?.kind;
+    let run =
+        |mesh: Mesh, kind: &BoundaryKind, region: Option<Vec<u32>>| -> Outcome<HistoryTable> {
+            let scene = question.scene(mesh, advice.condition(kind)?, region)?;
+            let scene = scene.with_step(TimeStep::Seconds(step));
+            Ok(scene.prepare()?.run(RunHooks::default())?.histories)
+        };
+    let best = &advice.candidates.first().ok_or("no candidate")?.kind;
     // Waves enter through the elements behind the small mesh's faces, so that both meshes have the same dispersion.
     let inside = (0..mesh.element_count() as u32).collect();
     let reference = run(wide, best, Some(inside))?;
     figures.report(&figure("stated"), question.stated(), "the stated error");
     for (place, candidate) in advice.candidates.iter().enumerate() {
-        let found = run(mesh.clone(), candidate.kind, None)?;
+        let found = run(mesh.clone(), &candidate.kind, None)?;
         let measured = largest_error(&probe_errors(&found, &reference)?);
         let (predicted, name) = (candidate.predicted, candidate.kind.name());
         println!("{name}: predicted {predicted:.4}, measured {measured:.4}");

@@ -143,20 +143,17 @@ fn drift(speed_ratio: Option<f64>, precision: Precision, steps: usize) -> Outcom
     };
     let force = Vec3::new(0.0, 0.0, -1.0e6);
     let step = 5.0e-4;
-    let output = OutputPlan {
-        every: 4.0 * step,
-        ..OutputPlan::default()
-    };
-    let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).scatterer(middle);
+    let output = OutputPlan::default().with_every(4.0 * step);
+    let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).with_scatterer(middle);
     let results = scene
-        .boundary(boundary)
+        .with_boundary(boundary)
         .load(NodalForce::new(loaded, force, Box::new(push)))
-        .precision(precision)
-        .threads(1)
-        .step(TimeStep::Seconds(step))
-        .duration(step * steps as f64)
-        .energy_residual(ResidualLimit::Unchecked)
-        .output(output.history("top", Place::NodeSet("top".into()), Motion::DISPLACEMENT))
+        .with_precision(precision)
+        .with_threads(1)
+        .with_step(TimeStep::Seconds(step))
+        .with_duration(step * steps as f64)
+        .with_energy_residual(ResidualLimit::Unchecked)
+        .with_output(output.history("top", Place::NodeSet("top".into()), Motion::DISPLACEMENT))
         .prepare()?
         .run(RunHooks::default())?;
     let column = results.histories.column("top.uz").ok_or("no column")?;
@@ -195,10 +192,10 @@ struct Cost {
 
 fn cost(speed_ratio: Option<f64>) -> Outcome<Cost> {
     let cells = 16;
-    let mut free = cube(cells)?.0.threads(1).prepare()?;
+    let mut free = cube(cells)?.0.with_threads(1).prepare()?;
     let (scene, middle) = cube(cells)?;
-    let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).scatterer(middle);
-    let mut bounded = scene.boundary(boundary).threads(1).prepare()?;
+    let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).with_scatterer(middle);
+    let mut bounded = scene.with_boundary(boundary).with_threads(1).prepare()?;
     let stable_step = bounded.stable_step()?.step / free.stable_step()?.step;
     let times = [time_of_step(&mut bounded)?, time_of_step(&mut free)?];
     let [with, without] = times.map(|time| 1.0e9 * time.as_secs_f64());
@@ -220,16 +217,17 @@ fn input_cost() -> Outcome<[f64; 2]> {
         let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, rock()?, middle.z);
         parameters.incidence = Angle::from_degrees(30.0);
         let pulse = Arc::new(SmoothPulse::new(1.0e-3, 0.05)?);
-        let mut boundary = Boundary::new(Viscous::default(), FACES).scatterer(middle);
+        let mut boundary = Boundary::new(Viscous::default(), FACES).with_scatterer(middle);
         boundary.region = region;
-        let scene = scene.boundary(boundary).threads(1);
+        let scene = scene.with_boundary(boundary).with_threads(1);
         let scene = match waves {
-            true => scene.plane_waves(vec![wavefield::PlaneWave::new(parameters, pulse)?])?,
+            true => scene.with_plane_waves(vec![wavefield::PlaneWave::new(parameters, pulse)?])?,
             false => scene,
         };
         Ok(scene
-            .start(-1.0, InitialMotion::Rest)
-            .duration(1.0e3)
+            .with_start_time(-1.0)
+            .with_initial_motion(InitialMotion::Rest)
+            .with_duration(1.0e3)
             .prepare()?)
     };
     let (free, middle) = cube(cells)?;

@@ -73,12 +73,12 @@ fn composed(data: &Path) -> Outcome<Scene> {
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
-        .part(Part::new("lining", concrete).kernel(SolidKernel::Hex8Full))
-        .field(wave)
-        .boundary(
-            Boundary::new(ViscousSpring::paper(), faces).scatterer(Vec3::new(0.0, 0.0, -76.0)),
+        .part(Part::new("lining", concrete).with_kernel(SolidKernel::Hex8Full))
+        .with_field(wave)
+        .with_boundary(
+            Boundary::new(ViscousSpring::paper(), faces).with_scatterer(Vec3::new(0.0, 0.0, -76.0)),
         )
-        .output(
+        .with_output(
             OutputPlan::default()
                 .history("crown", crown, Motion::ALL)
                 .relative("crown-to-floor", crown, floor),
@@ -96,12 +96,12 @@ fn crown(results: &Results) -> Outcome<&[f64]> {
 
 fn figures() -> Outcome<Figures> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data");
-    let scene = composed(&data)?.duration(DURATION);
+    let scene = composed(&data)?.with_duration(DURATION);
     let mesh = scene.mesh().clone();
     let from_rust = scene.prepare()?.run(RunHooks::default())?;
     print!("{}", from_rust.peaks(&mesh));
 
-    let scene = Scene::from_file(data.join("scenes/cavern_small.toml"))?.duration(DURATION);
+    let scene = Scene::from_file(data.join("scenes/cavern_small.toml"))?.with_duration(DURATION);
     let from_file = scene.prepare()?.run(RunHooks::default())?;
     let (a, b) = (crown(&from_rust)?, crown(&from_file)?);
     let unequal = a

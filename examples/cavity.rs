@@ -164,16 +164,13 @@ impl CavityModel {
             }
         };
         let boundary = Boundary::new(condition, ["left", "right", "bottom"])
-            .scatterer(Vec3::new(0.0, 0.0, -DEPTH));
+            .with_scatterer(Vec3::new(0.0, 0.0, -DEPTH));
 
         let unit = unit_of_time()?;
         let sample = unit / SAMPLES as f64;
         // Arrival time of an S wave at the farthest corner.
         let ahead = (self.height + self.half_width * sine).ceil();
-        let mut output = OutputPlan {
-            every: sample,
-            ..OutputPlan::default()
-        };
+        let mut output = OutputPlan::default().with_every(sample);
         for station in STATIONS {
             let place = Vec3::new(0.1 * RADIUS * f64::from(station), 0.0, 0.0);
             output = output.history(&format!("s{station}"), place, Motion::DISPLACEMENT);
@@ -187,12 +184,13 @@ impl CavityModel {
         let mut simulation = Scene::new("cavity", mesh)
             .part(part)
             .support(plane_strain)
-            .boundary(boundary)
-            .field(field)
-            .precision(self.precision)
-            .start((wave.begin - ahead) * unit, InitialMotion::Field)
-            .duration((wave.end - wave.begin + ahead) * unit)
-            .output(output)
+            .with_boundary(boundary)
+            .with_field(field)
+            .with_precision(self.precision)
+            .with_start_time((wave.begin - ahead) * unit)
+            .with_initial_motion(InitialMotion::Field)
+            .with_duration((wave.end - wave.begin + ahead) * unit)
+            .with_output(output)
             .prepare()?;
         // A whole number of steps between samples.
         let stable = simulation.stable_step()?.step;

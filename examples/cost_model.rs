@@ -53,7 +53,9 @@ fn path(file: &str) -> PathBuf {
 }
 
 fn scene(file: &str, duration: f64) -> Outcome<Scene> {
-    Ok(Scene::from_file(path(file))?.duration(duration).threads(1))
+    Ok(Scene::from_file(path(file))?
+        .with_duration(duration)
+        .with_threads(1))
 }
 
 /// The scene of the stages with a name.
@@ -66,14 +68,14 @@ fn staged(name: &str) -> Outcome<Scene> {
         text = text.replace("cavern_small.msh", mesh);
     }
     let scene = Scene::from_toml(text, path, &powerhouse_study::registry())?;
-    Ok(scene.threads(1))
+    Ok(scene.with_threads(1))
 }
 
 /// Computes the stages of a scene; returns wall time and memory.
 fn rest(name: &str) -> Outcome<Cost> {
     let simulation = staged(name)?.prepare()?;
     let started = Instant::now();
-    let body = simulation.bring_to_rest(None, None)?;
+    let body = simulation.equilibrate(None, None)?;
     let time = started.elapsed().as_secs_f64();
     for stage in body.iter().flat_map(|body| body.stages()) {
         let solution = &stage.solution;
@@ -105,14 +107,8 @@ fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     folder.create()?;
     let mut simulation = scene.prepare()?;
     simulation.stable_step()?;
-    let notes = powerhouse::RunNotes {
-        remarks: simulation.remarks().to_vec(),
-        ..Default::default()
-    };
-    let hooks = RunHooks {
-        snapshots: Some(folder.snapshots(&simulation)?),
-        ..RunHooks::default()
-    };
+    let notes = powerhouse::RunNotes::new(simulation.remarks().to_vec());
+    let hooks = RunHooks::default().with_snapshots(folder.snapshots(&simulation)?);
     let results = simulation.run(hooks)?;
     folder.write((&title, &mesh), &results, &notes, None)?;
     Ok(Cost {
@@ -209,7 +205,7 @@ mod tests {
         let (file, duration, _) = SCENES[2];
         let expected = predicted(file, duration).unwrap();
         assert!(expected.time > 0.0 && expected.memory > 1e7);
-        assert_eq!(scene(file, duration).unwrap().run_duration(), duration);
+        assert_eq!(scene(file, duration).unwrap().duration(), duration);
         assert_eq!((apart(2.0, 1.0), apart(1.0, 2.0)), (2.0, 2.0));
     }
 

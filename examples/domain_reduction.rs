@@ -163,15 +163,12 @@ impl Ground {
             Boundary::new(springs, faces)
         };
         let frames = Arc::new(Mutex::new(Frames::new()));
-        let hooks = RunHooks {
-            observers: vec![Box::new(Recorder(frames.clone()))],
-            ..RunHooks::default()
-        };
+        let hooks = RunHooks::default().with_observer(Recorder(frames.clone()));
         let results = Scene::new("domain reduction", self.mesh.clone())
             .part(self.part.clone())
-            .boundary(boundary.scatterer(Vec3::new(0.5 * EDGE, 0.5 * EDGE, EDGE)))
-            .field(field)
-            .duration(0.4)
+            .with_boundary(boundary.with_scatterer(Vec3::new(0.5 * EDGE, 0.5 * EDGE, EDGE)))
+            .with_field(field)
+            .with_duration(0.4)
             .prepare()?
             .run(hooks)?;
         let frames = std::mem::take(&mut *frames.lock().map_err(|e| e.to_string())?);

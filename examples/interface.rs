@@ -42,12 +42,9 @@ pub fn computed(s: f64, bricks: usize) -> Outcome<([f64; 3], f64)> {
     let watched = [1.75, 2.25].map(|place| column.level(place * wavelength)[0]);
     let seen = |joint: Box<dyn Constraint>| {
         let mut ends = BoundaryParts::default();
-        ends.impedance
-            .extend(foot.iter().chain(&top).map(|&node| NodalImpedance {
-                node,
-                spring: Mat3::zeros(),
-                dashpot: Mat3::identity() * (impedance / 4.0),
-            }));
+        ends.impedance.extend(foot.iter().chain(&top).map(|&node| {
+            NodalImpedance::new(node, Mat3::zeros(), Mat3::identity() * (impedance / 4.0))
+        }));
         let wave = move |t: f64| amplitude * (TAU * frequency * t).sin();
         let push = Vec3::x() * (2.0 * impedance / 4.0);
         let mut model = column

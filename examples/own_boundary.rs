@@ -51,11 +51,9 @@ impl AbsorbingBoundary for Dashpots {
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         let mut parts = BoundaryParts::default();
         for node in &site.nodes {
-            parts.impedance.push(NodalImpedance {
-                node: node.node,
-                spring: Mat3::zeros(),
-                dashpot: dashpot(node),
-            });
+            parts
+                .impedance
+                .push(NodalImpedance::new(node.node, Mat3::zeros(), dashpot(node)));
         }
         if let Some(field) = site.field {
             let points: Vec<Vec3> = site.nodes.iter().map(|node| node.position).collect();
@@ -115,13 +113,13 @@ fn surface_motion(
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
-        .field(PlaneWave::new(parameters, Arc::new(pulse))?)
-        .boundary(Boundary::new(
+        .with_field(PlaneWave::new(parameters, Arc::new(pulse))?)
+        .with_boundary(Boundary::new(
             boundary,
             ["left", "right", "front", "back", "bottom"],
         ))
-        .duration(0.6)
-        .output(OutputPlan::default().history("centre", centre, Motion::DISPLACEMENT))
+        .with_duration(0.6)
+        .with_output(OutputPlan::default().history("centre", centre, Motion::DISPLACEMENT))
         .prepare()?
         .run(RunHooks::default())?;
     let columns = results.histories.columns.into_iter();

@@ -160,10 +160,7 @@ fn shake(material: Material, amplitude: f64) -> Outcome<Results> {
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, medium, 0.0);
     parameters.reference = low;
     let pulse = RaisedCosinePulse::new(amplitude, 0.4)?;
-    let output = OutputPlan {
-        energies: Some(0.01),
-        ..OutputPlan::default()
-    };
+    let output = OutputPlan::default().with_energies(0.01);
     let top = Vec3::new(0.5, 0.5, 0.0);
     let output = output
         .history("top", top, Motion::DISPLACEMENT)
@@ -172,10 +169,10 @@ fn shake(material: Material, amplitude: f64) -> Outcome<Results> {
         .part(Part::new("soil", material))
         .support(Support::roller(all.clone(), Vec3::y()))
         .support(Support::roller(all, Vec3::z()))
-        .field(PlaneWave::new(parameters, Arc::new(pulse))?)
-        .boundary(Boundary::new(Viscous::default(), ["bottom"]))
-        .duration(1.5)
-        .output(output)
+        .with_field(PlaneWave::new(parameters, Arc::new(pulse))?)
+        .with_boundary(Boundary::new(Viscous::default(), ["bottom"]))
+        .with_duration(1.5)
+        .with_output(output)
         .prepare()?
         .run(RunHooks::default())?)
 }

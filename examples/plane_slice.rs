@@ -75,14 +75,14 @@ fn simulation(mesh: Mesh, step: Option<f64>) -> Outcome<Simulation> {
             Material::from(LinearElastic::new(media::ROCK)),
         ))
         .support(held)
-        .plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
-        .boundary(boundary.scatterer(Vec3::new(0.0, 0.0, -DEPTH)))
-        .duration(0.15)
-        .energy_residual(ResidualLimit::Unchecked)
-        .threads(1)
-        .output(output);
+        .with_plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
+        .with_boundary(boundary.with_scatterer(Vec3::new(0.0, 0.0, -DEPTH)))
+        .with_duration(0.15)
+        .with_energy_residual(ResidualLimit::Unchecked)
+        .with_threads(1)
+        .with_output(output);
     let scene = match step {
-        Some(step) => scene.step(TimeStep::Seconds(step)),
+        Some(step) => scene.with_step(TimeStep::Seconds(step)),
         None => scene,
     };
     Ok(scene.prepare()?)

@@ -163,22 +163,17 @@ impl Class {
         let top = mesh.nodes_in_box(&centre, &centre);
         let mut output = OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT);
         if self == Self::Watched {
-            output.envelope = Some(EnvelopeRequest {
-                motion: Motion::ALL,
-                stress: true,
-                sets: Vec::new(),
-                every: STEP,
-            });
+            output.envelope = Some(EnvelopeRequest::new(STEP).with_stress(true));
         }
         let mut scene = Scene::new("class", mesh)
-            .part(Part::new("rock", self.material()?).damping(self.damping()?))
-            .step(TimeStep::Seconds(STEP))
-            .duration(STEPS as f64 * STEP)
-            .energy_residual(ResidualLimit::Unchecked)
-            .threads(1)
-            .output(output);
+            .part(Part::new("rock", self.material()?).with_damping(self.damping()?))
+            .with_step(TimeStep::Seconds(STEP))
+            .with_duration(STEPS as f64 * STEP)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_threads(1)
+            .with_output(output);
         if self == Self::Single {
-            scene = scene.precision(Precision::F32);
+            scene = scene.with_precision(Precision::F32);
         }
         if let Some(joint) = joint {
             scene = scene.joint(joint);
@@ -192,23 +187,21 @@ impl Class {
         // So long that the whole cube is strained from the first step on.
         let pulse = Arc::new(SmoothPulse::new(0.05, 0.6)?);
         let faces = ["left", "right", "front", "back", "bottom"];
-        let boundary = Boundary::new(ViscousSpring::default(), faces).scatterer(centre);
+        let boundary = Boundary::new(ViscousSpring::default(), faces).with_scatterer(centre);
         Ok(scene
-            .plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
-            .boundary(boundary)
-            .start(0.2, InitialMotion::Field))
+            .with_plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
+            .with_boundary(boundary)
+            .with_start_time(0.2)
+            .with_initial_motion(InitialMotion::Field))
     }
 
     /// Mean wall time of a step (s) over the fastest row of steps, and peak memory of this process (bytes).
     fn run(self, cells: usize) -> Outcome<[f64; 2]> {
         let (told, times) = std::sync::mpsc::channel();
-        let hooks = RunHooks {
-            // A closed receiver means that the run has failed with its own error.
-            progress: Some(Box::new(move |_| {
-                let _ = told.send(Instant::now());
-            })),
-            ..RunHooks::default()
-        };
+        // A closed receiver means that the run has failed with its own error.
+        let hooks = RunHooks::default().with_progress(move |_| {
+            let _ = told.send(Instant::now());
+        });
         self.scene(cells)?.prepare()?.run(hooks)?;
         let times: Vec<Instant> = times.iter().collect();
         let rows = times.windows(ROW + 1);

@@ -150,21 +150,21 @@ fn motion(far: f64, division: Division, outside: &Outside) -> Outcome<HistoryTab
             normal,
         ));
     }
-    let output = OutputPlan {
-        every: 1.0e-4,
-        ..OutputPlan::default()
-    }
-    .history("wall", Vec3::new(CAVITY, 0.0, 0.0), Motion::DISPLACEMENT)
-    .history("outside", Vec3::new(far, 0.0, 0.0), Motion::DISPLACEMENT);
+    let output = OutputPlan::default()
+        .with_every(1.0e-4)
+        .history("wall", Vec3::new(CAVITY, 0.0, 0.0), Motion::DISPLACEMENT)
+        .history("outside", Vec3::new(far, 0.0, 0.0), Motion::DISPLACEMENT);
     let scene = Scene::new("spherical cavity", mesh)
         .part(Part::new(
             "rock",
             Material::from(LinearElastic::new(rock()?)),
         ))
-        .boundary(Boundary::new(outside.condition(far)?, ["outside"]).scatterer(Vec3::zeros()))
+        .with_boundary(
+            Boundary::new(outside.condition(far)?, ["outside"]).with_scatterer(Vec3::zeros()),
+        )
         .load(pressure)
-        .duration(DURATION)
-        .output(output);
+        .with_duration(DURATION)
+        .with_output(output);
     let scene = supports.into_iter().fold(scene, Scene::support);
     Ok(scene.prepare()?.run(RunHooks::default())?.histories)
 }

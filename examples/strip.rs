@@ -177,10 +177,7 @@ impl Arriving {
             shakers.push(NodalForce::new(vec![node], force, Box::new(history)));
         }
         // Every step is recorded.
-        let mut output = OutputPlan {
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        let mut output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         for (name, row) in [("near", FIRST_ROW), ("far", self.second_row())] {
             let z = -(row as f64) * brick;
             let quarter = Vec3::new(0.25 * width, 0.0, z);
@@ -198,11 +195,11 @@ impl Arriving {
                 Material::from(LinearElastic::new(self.medium)),
             ))
             .support(Support::roller(cuts, Vec3::y()))
-            .periodic(pairs)
-            .boundary(Boundary::new(condition, ["top", "bottom"]))
-            .energy_residual(ResidualLimit::Unchecked)
-            .duration(duration)
-            .output(output);
+            .with_periodic_pairs(pairs)
+            .with_boundary(Boundary::new(condition, ["top", "bottom"]))
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_duration(duration)
+            .with_output(output);
         let scene = shakers.into_iter().fold(scene, Scene::load);
         let histories = scene.prepare()?.run(RunHooks::default())?.histories;
         let spectrum = |name: &str| spectrum(&histories, name, frequency);

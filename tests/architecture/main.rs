@@ -2,6 +2,7 @@
 
 mod dependencies;
 mod documents;
+mod growth;
 mod manifests;
 mod sources;
 mod words;

@@ -10,7 +10,9 @@ fn run(file: &str) -> Results {
         .join("../data/scenes")
         .join(file);
     let scene = Scene::from_file(path).unwrap();
-    let scene = scene.duration(2.0).step(TimeStep::Seconds(4.5e-4));
+    let scene = scene
+        .with_duration(2.0)
+        .with_step(TimeStep::Seconds(4.5e-4));
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
 }
 

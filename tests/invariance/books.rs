@@ -40,10 +40,17 @@ impl<M: ConstitutiveLaw> ConstitutiveLaw for Asked<M> {
     }
 }
 
+/// The elements of a beam: kernel, law and stiffness damping (s).
+struct Beam<M> {
+    kernel: SolidKernel,
+    law: M,
+    damping: f64,
+}
+
 /// A distorted beam in bending with yielding at its foot only: the bits of its motion, and its energies if the
 /// balance is computed.
 fn shaken<M: ConstitutiveLaw>(
-    (kernel, law, stiffness): (SolidKernel, M, f64),
+    beam: Beam<M>,
     steps: u64,
     booked: bool,
 ) -> (Vec<u64>, Vec<(&'static str, f64)>) {
@@ -55,9 +62,9 @@ fn shaken<M: ConstitutiveLaw>(
         .unwrap();
     let mut options = BlockOptions::default();
     options.precision = Precision::F64;
-    options.damping.stiffness = stiffness;
+    options.damping.stiffness = beam.damping;
     let mut model = Model::builder(&mesh)
-        .elements("rock", kernel.factory("rock", law, options))
+        .elements("rock", beam.kernel.factory("rock", beam.law, options))
         .block_size(48)
         .build()
         .unwrap();
@@ -82,8 +89,21 @@ fn shaken<M: ConstitutiveLaw>(
 fn check<M: ConstitutiveLaw>(kernel: SolidKernel, law: &M, stiffness: f64) {
     let mut spent = 0.0_f64;
     for steps in [40, 120, 400] {
-        let of = |booked| shaken((kernel, law.clone(), stiffness), steps, booked);
-        let asked = shaken((kernel, Asked(law.clone()), stiffness), steps, true);
+        let of = |booked| {
+            let law = law.clone();
+            let beam = Beam {
+                kernel,
+                law,
+                damping: stiffness,
+            };
+            shaken(beam, steps, booked)
+        };
+        let asking = Beam {
+            kernel,
+            law: Asked(law.clone()),
+            damping: stiffness,
+        };
+        let asked = shaken(asking, steps, true);
         let (booked, free) = (of(true), of(false));
         assert!(booked.0 == free.0 && booked.0 == asked.0, "{}", law.name());
         let column = |energies: &[(&str, f64)], name: &str| {

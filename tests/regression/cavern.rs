@@ -21,7 +21,7 @@ fn shelf() -> PathBuf {
 
 fn run() -> Results {
     let scene = shelf().join("../../data/scenes/cavern_small.toml");
-    let scene = Scene::from_file(scene).unwrap().duration(DURATION);
+    let scene = Scene::from_file(scene).unwrap().with_duration(DURATION);
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
 }
 

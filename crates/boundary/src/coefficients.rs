@@ -120,11 +120,7 @@ pub(crate) fn nodal_impedance(
                 spring += share_spring;
                 dashpot += share_dashpot;
             }
-            NodalImpedance {
-                node: node.node,
-                spring,
-                dashpot,
-            }
+            NodalImpedance::new(node.node, spring, dashpot)
         })
         .collect()
 }

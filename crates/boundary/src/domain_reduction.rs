@@ -225,12 +225,9 @@ impl AbsorbingBoundary for DomainReduction {
         "domain-reduction"
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
-        let mut parts = self.outside.build(&BoundarySite {
-            faces: site.faces.clone(),
-            nodes: site.nodes.clone(),
-            scatterer: site.scatterer,
-            field: None,
-        })?;
+        let (faces, nodes) = (site.faces.clone(), site.nodes.clone());
+        let silent = BoundarySite::new(faces, nodes, site.scatterer, None);
+        let mut parts = self.outside.build(&silent)?;
         if let Some(field) = site.field {
             parts.loads.extend(self.layer.loads(field)?);
         }

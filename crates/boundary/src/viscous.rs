@@ -30,10 +30,8 @@ impl AbsorbingBoundary for Viscous {
                 media.map(FaceCoefficients::viscous).collect()
             })
             .collect();
-        Ok(BoundaryParts {
-            impedance: nodal_impedance(site, &coefficients),
-            loads: input_loads(site, &coefficients, &self.input)?,
-            blocks: Vec::new(),
-        })
+        Ok(BoundaryParts::default()
+            .with_impedance(nodal_impedance(site, &coefficients))
+            .with_loads(input_loads(site, &coefficients, &self.input)?))
     }
 }

@@ -167,10 +167,8 @@ impl AbsorbingBoundary for ViscousSpring {
                     .collect()
             })
             .collect::<Result<ShareCoefficients, BoundaryError>>()?;
-        Ok(BoundaryParts {
-            impedance: nodal_impedance(site, &coefficients),
-            loads: input_loads(site, &coefficients, &self.input)?,
-            blocks: Vec::new(),
-        })
+        Ok(BoundaryParts::default()
+            .with_impedance(nodal_impedance(site, &coefficients))
+            .with_loads(input_loads(site, &coefficients, &self.input)?))
     }
 }

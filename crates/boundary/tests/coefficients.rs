@@ -34,9 +34,9 @@ fn corner_site() -> BoundarySite<'static> {
     };
     let scatterer = Vec3::new(100.0, -50.0, -200.0);
     let at = |a: f64, b: f64, c: f64| scatterer + Vec3::new(a, b, c);
-    BoundarySite {
-        faces: ["east", "north", "base"].map(String::from).to_vec(),
-        nodes: vec![
+    BoundarySite::new(
+        ["east", "north", "base"].map(String::from).to_vec(),
+        vec![
             node(
                 0,
                 at(30.0, 20.0, -15.0),
@@ -56,8 +56,8 @@ fn corner_site() -> BoundarySite<'static> {
             node(13, at(-7.0, -4.0, -15.0), vec![share(2, rock(), z, 4.0)]),
         ],
         scatterer,
-        field: None,
-    }
+        None,
+    )
 }
 
 fn close(a: &Mat3, b: &Mat3) -> bool {

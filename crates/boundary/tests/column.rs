@@ -108,12 +108,8 @@ fn site(top: bool, field: Option<&dyn IncidentField>, elements: usize) -> Bounda
     if top {
         nodes.push(face(1, elements, HEIGHT, 1.0));
     }
-    BoundarySite {
-        faces: vec!["base".into(), "top".into()],
-        nodes,
-        scatterer: Vec3::new(0.0, 0.0, 0.5 * HEIGHT),
-        field,
-    }
+    let faces = vec!["base".into(), "top".into()];
+    BoundarySite::new(faces, nodes, Vec3::new(0.0, 0.0, 0.5 * HEIGHT), field)
 }
 
 /// Masses and springs of a column with the parts of a boundary.

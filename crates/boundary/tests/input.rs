@@ -90,12 +90,8 @@ fn site(tilt: f64, field: Option<&dyn IncidentField>) -> BoundarySite<'_> {
             },
         }
     });
-    BoundarySite {
-        faces: vec!["base".into(), "side".into()],
-        nodes: nodes.collect(),
-        scatterer: Vec3::zeros(),
-        field,
-    }
+    let faces = vec!["base".into(), "side".into()];
+    BoundarySite::new(faces, nodes.collect(), Vec3::zeros(), field)
 }
 
 /// The forces on all nodes (mesh indices) at a time; each load may hold a node once.
@@ -122,15 +118,12 @@ fn share_force(
     share: &SiteFace,
     motion: &FieldMotion,
 ) -> Vec3 {
-    let alone = BoundarySite {
-        faces: vec!["base".into(), "side".into()],
-        nodes: vec![SiteNode {
-            faces: vec![*share],
-            ..node.clone()
-        }],
-        scatterer: Vec3::zeros(),
-        field: None,
-    };
+    let faces = vec!["base".into(), "side".into()];
+    let nodes = vec![SiteNode {
+        faces: vec![*share],
+        ..node.clone()
+    }];
+    let alone = BoundarySite::new(faces, nodes, Vec3::zeros(), None);
     let impedance = boundary.build(&alone).unwrap().impedance[0];
     impedance.spring * motion.displacement
         + impedance.dashpot * motion.velocity

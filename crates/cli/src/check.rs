@@ -45,11 +45,9 @@ pub(crate) fn compare(
     stop: &Arc<AtomicBool>,
 ) -> Result<Option<FreeFieldReport>, StudyError> {
     let display = Display::new("free field");
-    let hooks = RunHooks {
-        progress: Some(display.hook()),
-        stop: Some(stop.clone()),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default()
+        .with_progress(display.hook())
+        .with_stop(stop.clone());
     let found = check.run(step, hooks);
     display.clear();
     match found {

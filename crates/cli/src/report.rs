@@ -184,6 +184,9 @@ pub(crate) fn check(report: &CheckReport) {
     for saving in &report.savings {
         say!("  {saving}");
     }
+    for change in &report.refused {
+        say!("  {change}");
+    }
     let warnings = together(report.warnings.iter().map(Warning::doubt));
     match warnings.len() {
         0 => say!("\nno warnings"),

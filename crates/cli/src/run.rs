@@ -77,23 +77,19 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
     }
     folder.clear()?;
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
-    let notes = RunNotes {
-        remarks: simulation.remarks().to_vec(),
-        warnings: warnings.iter().map(Warning::doubt).collect(),
-    };
+    let notes = RunNotes::new(simulation.remarks().to_vec())
+        .with_warnings(warnings.iter().map(Warning::doubt).collect());
     let bars = MultiProgress::new();
     let display = Display::among(&bars, "run");
-    let hooks = RunHooks {
-        progress: Some(display.hook()),
-        stop: Some(stop),
-        snapshots: Some(folder.snapshots(&simulation)?),
-        stages: Some(Box::new(Stages::new(
+    let hooks = RunHooks::default()
+        .with_progress(display.hook())
+        .with_stop(stop)
+        .with_snapshots(folder.snapshots(&simulation)?)
+        .with_stages(Box::new(Stages::new(
             folder.stages(&simulation)?,
             &bars,
             "",
-        ))),
-        ..RunHooks::default()
-    };
+        )));
     let outcome = simulation.run(hooks);
     display.clear();
     let (results, failure) = match outcome {

@@ -105,13 +105,21 @@ fn summary(outcome: &CaseOutcome) -> String {
     );
     line(
         &mut text,
-        "principal stress",
-        (&outcome.stresses, 1e-6, "MPa"),
+        &PeakLine {
+            heading: "principal stress",
+            peaks: &outcome.stresses,
+            scale: 1e-6,
+            unit: "MPa",
+        },
     );
     line(
         &mut text,
-        "relative displacement",
-        (&outcome.relative, 1e3, "mm"),
+        &PeakLine {
+            heading: "relative displacement",
+            peaks: &outcome.relative,
+            scale: 1e3,
+            unit: "mm",
+        },
     );
     for damage in &outcome.damage {
         let _ = write!(
@@ -134,14 +142,27 @@ fn summary(outcome: &CaseOutcome) -> String {
     text
 }
 
-/// Adds a line of peaks, multiplied by a scale, with their unit.
-fn line(text: &mut String, what: &str, (peaks, scale, unit): (&[Peak], f64, &str)) {
-    let peaks = peaks.iter();
-    let peaks: Vec<String> = peaks
+/// Peaks under a heading, in a unit that is `scale` times the SI unit.
+struct PeakLine<'a> {
+    heading: &'a str,
+    peaks: &'a [Peak],
+    scale: f64,
+    unit: &'a str,
+}
+
+/// Adds peaks in a line.
+fn line(text: &mut String, line: &PeakLine) {
+    let PeakLine {
+        heading,
+        scale,
+        unit,
+        ..
+    } = line;
+    let peaks: Vec<String> = (line.peaks.iter())
         .map(|peak| format!("{} {:.3}", peak.name, scale * peak.value))
         .collect();
     if !peaks.is_empty() {
-        let _ = write!(text, "\n  {what} ({unit}): {}", peaks.join(", "));
+        let _ = write!(text, "\n  {heading} ({unit}): {}", peaks.join(", "));
     }
 }
 

@@ -80,10 +80,7 @@ impl NodeGroup {
     /// Contributions (kg) of mass and mass damping to `A` and to the factor of the old velocity.
     pub(crate) fn effective_mass(&self, rule: MassDampingRule, step: f64) -> (f64, f64) {
         let damping = self.mass_damping * step;
-        match rule {
-            MassDampingRule::Implicit => (self.mass + 0.5 * damping, self.mass - 0.5 * damping),
-            MassDampingRule::Lagged => (self.mass, self.mass - damping),
-        }
+        rule.effective_mass(self.mass, damping)
     }
 
     /// Inverse pseudo-mass (1/kg) of a group of orphan nodes, which constraints use in place of

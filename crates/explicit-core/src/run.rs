@@ -38,6 +38,7 @@ pub enum StepChoice {
 /// The balance costs time in every step: the blocks integrate their dissipation, and with
 /// `by_set` the nodal work of each element set is recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EnergyCheck {
     /// Number of steps between two readings.
     pub every: u64,
@@ -57,6 +58,18 @@ impl EnergyCheck {
             limit: None,
             by_set: true,
         }
+    }
+    /// The same with a largest permitted residual over the largest energy held or put in so far.
+    #[must_use]
+    pub fn with_limit(mut self, limit: f64) -> Self {
+        self.limit = Some(limit);
+        self
+    }
+    /// The same with or without a balance of each set.
+    #[must_use]
+    pub fn with_by_set(mut self, by_set: bool) -> Self {
+        self.by_set = by_set;
+        self
     }
 }
 
@@ -398,7 +411,7 @@ impl TimeLoop<'_> {
     }
 
     fn is_due(&self, cadence: Cadence, step: f64) -> bool {
-        self.last || is_due(cadence, self.model.number, self.model.time, step)
+        self.last || cadence.is_due(self.model.number, self.model.time, step)
     }
 
     /// Whether the energy ledger is read in this step.
@@ -477,18 +490,6 @@ impl TimeLoop<'_> {
     }
 }
 
-/// Whether an observer of a cadence is due in a step: times count as reached a millionth of a step early.
-fn is_due(cadence: Cadence, number: u64, time: f64, step: f64) -> bool {
-    match cadence {
-        Cadence::Steps(every) => number.is_multiple_of(every.max(1)),
-        Cadence::Seconds(interval) if interval > step => {
-            let multiple = |t: f64| ((t + 1e-6 * step) / interval).floor();
-            number == 0 || multiple(time) > multiple(time - step)
-        }
-        Cadence::Seconds(_) => true,
-    }
-}
-
 impl Dynamics for TimeLoop<'_> {
     fn time(&self) -> f64 {
         self.model.time()
@@ -529,7 +530,7 @@ mod tests {
         let mut time = 0.0;
         let mut due = Vec::new();
         for number in 0..21 {
-            if is_due(Cadence::Seconds(0.25), number, time, step) {
+            if Cadence::Seconds(0.25).is_due(number, time, step) {
                 due.push(number);
             }
             time += step;

@@ -165,15 +165,17 @@ impl Model {
     ) -> Vec<Vec3> {
         let (blocks, lengths, slots) = (&self.blocks, &self.lengths, &self.slots);
         with_nodes!(&mut self.nodes, arrays => {
-            product(arrays, vector, (blocks, lengths, slots), weight)
+            product(arrays, blocks, lengths, slots, vector, weight)
         })
     }
 }
 
 fn product<S: Storage>(
     arrays: &mut NodalArrays<S>,
+    blocks: &[Box<dyn ElementBlock>],
+    lengths: &[usize],
+    slots: &SlotTable,
     vector: &[Vec3],
-    (blocks, lengths, slots): (&[Box<dyn ElementBlock>], &[usize], &SlotTable),
     weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
 ) -> Vec<Vec3> {
     let values: Vec<Quad<S>> = vector.iter().map(Quad::from_vector).collect();

@@ -25,10 +25,12 @@ fn rock() -> Links {
 fn box_with_input(mesh: &Mesh, links: Links) -> ModelBuilder<'_> {
     let faces = ["x0", "x1", "y0", "y1", "z0"];
     let impedance = faces.iter().flat_map(|face| mesh.node_set(face).unwrap());
-    let impedance = impedance.map(|&node| NodalImpedance {
-        node,
-        spring: Mat3::new(3e7, 1e6, 0.0, 1e6, 2e7, 0.0, 0.0, 0.0, 1e7),
-        dashpot: Mat3::new(5e5, 1e5, 0.0, 1e5, 4e5, 0.0, 0.0, 0.0, 3e5),
+    let impedance = impedance.map(|&node| {
+        NodalImpedance::new(
+            node,
+            Mat3::new(3e7, 1e6, 0.0, 1e6, 2e7, 0.0, 0.0, 0.0, 1e7),
+            Mat3::new(5e5, 1e5, 0.0, 1e5, 4e5, 0.0, 0.0, 0.0, 3e5),
+        )
     });
     let pulse = |t: f64| (200.0 * t).sin();
     let top = mesh.node_set("z1").unwrap().to_vec();
@@ -39,10 +41,7 @@ fn box_with_input(mesh: &Mesh, links: Links) -> ModelBuilder<'_> {
             Vec3::new(1e4, 2e3, -3e4),
             Box::new(pulse),
         )))
-        .boundary(BoundaryParts {
-            impedance: impedance.collect(),
-            ..BoundaryParts::default()
-        })
+        .boundary(BoundaryParts::default().with_impedance(impedance))
 }
 
 fn go(

@@ -120,11 +120,9 @@ fn damped_box(mesh: &Mesh, precision: Precision, lanes: LaneWidth, threads: usiz
         stiffness: 2e-5,
     };
     let nodes = |set: &str| mesh.nodes_of_facets(mesh.facet_set(set).unwrap());
-    let impedance = nodes("bottom").into_iter().map(|node| NodalImpedance {
-        node,
-        spring: Mat3::identity() * 1e8,
-        dashpot: Mat3::identity() * 1e6,
-    });
+    let impedance = nodes("bottom")
+        .into_iter()
+        .map(|node| NodalImpedance::new(node, Mat3::identity() * 1e8, Mat3::identity() * 1e6));
     let mut model = Model::builder(mesh)
         .elements(
             "rock",
@@ -135,10 +133,7 @@ fn damped_box(mesh: &Mesh, precision: Precision, lanes: LaneWidth, threads: usiz
             Vec3::new(0.0, 1.0, -9.81),
             Box::new(|t: f64| (300.0 * t).sin()),
         )
-        .boundary(BoundaryParts {
-            impedance: impedance.collect(),
-            ..BoundaryParts::default()
-        })
+        .boundary(BoundaryParts::default().with_impedance(impedance))
         .threads(threads)
         .block_size(40)
         .build()

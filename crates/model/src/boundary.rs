@@ -35,7 +35,8 @@ pub struct SiteNode {
     pub faces: Vec<SiteFace>,
 }
 
-/// Input of an absorbing boundary: its nodes with tributary areas, scatterer and free field.
+/// Geometry, ground and incident field from which an absorbing boundary is built.
+#[non_exhaustive]
 pub struct BoundarySite<'a> {
     /// Names of the faces of the boundary.
     pub faces: Vec<String>,
@@ -48,6 +49,21 @@ pub struct BoundarySite<'a> {
 }
 
 impl<'a> BoundarySite<'a> {
+    /// A site of nodes whose shares name faces by their index; `scatterer` (m) and `field` as in the struct.
+    pub fn new(
+        faces: Vec<String>,
+        nodes: Vec<SiteNode>,
+        scatterer: Vec3,
+        field: Option<&'a dyn IncidentField>,
+    ) -> Self {
+        Self {
+            faces,
+            nodes,
+            scatterer,
+            field,
+        }
+    }
+
     /// The site of named faces of a mesh, nodes in rising order.
     ///
     /// `medium` returns the elastic medium of an element (mesh index); `scatterer` and `field` as in the struct.
@@ -118,8 +134,9 @@ fn add_share(shares: &mut Vec<SiteFace>, new: SiteFace) {
     }
 }
 
-/// Boundary impedance of a node: a spring and a dashpot to the ground.
+/// Spring and dashpot matrices between one node and the ground (boundary impedance).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NodalImpedance {
     /// Mesh index of the node.
     pub node: u32,
@@ -128,6 +145,18 @@ pub struct NodalImpedance {
     pub spring: Mat3,
     /// Dashpot matrix (N s/m), symmetric and positive semi-definite; acts on the velocity.
     pub dashpot: Mat3,
+}
+
+impl NodalImpedance {
+    /// The impedance of a node (mesh index): spring (N/m) and dashpot (N s/m), both symmetric and positive
+    /// semi-definite.
+    pub fn new(node: u32, spring: Mat3, dashpot: Mat3) -> Self {
+        Self {
+            node,
+            spring,
+            dashpot,
+        }
+    }
 }
 
 /// A function that builds an element block from the engine's node numbering.
@@ -141,8 +170,10 @@ pub struct ExtraBlock {
     pub build: BuildBlock,
 }
 
-/// Parts of an absorbing boundary, which the engine applies: impedances, input loads and additional blocks.
+/// Springs, dashpots, input forces and additional elements of an absorbing boundary, which the engine
+/// applies.
 #[derive(Default)]
+#[non_exhaustive]
 pub struct BoundaryParts {
     /// Springs and dashpots of boundary nodes; they enter the effective mass of their node implicitly and do not
     /// reduce the stable step.
@@ -151,6 +182,27 @@ pub struct BoundaryParts {
     pub loads: Vec<Box<dyn NodalLoad>>,
     /// Additional element blocks outside the mesh, such as absorbing layers.
     pub blocks: Vec<ExtraBlock>,
+}
+
+impl BoundaryParts {
+    /// The same with these springs and dashpots added.
+    #[must_use]
+    pub fn with_impedance(mut self, impedance: impl IntoIterator<Item = NodalImpedance>) -> Self {
+        self.impedance.extend(impedance);
+        self
+    }
+    /// The same with these input forces added.
+    #[must_use]
+    pub fn with_loads(mut self, loads: Vec<Box<dyn NodalLoad>>) -> Self {
+        self.loads.extend(loads);
+        self
+    }
+    /// The same with these additional elements.
+    #[must_use]
+    pub fn with_blocks(mut self, blocks: impl IntoIterator<Item = ExtraBlock>) -> Self {
+        self.blocks.extend(blocks);
+        self
+    }
 }
 
 /// An absorbing boundary: it transmits outgoing waves and applies the incident field.
@@ -166,13 +218,9 @@ pub struct BoundaryParts {
 ///             let shear_impedance: f64 = node.faces.iter()
 ///                 .map(|face| face.medium.density * face.medium.s_speed() * face.area)
 ///                 .sum();
-///             NodalImpedance {
-///                 node: node.node,
-///                 spring: Mat3::zeros(),
-///                 dashpot: Mat3::identity() * shear_impedance,
-///             }
+///             NodalImpedance::new(node.node, Mat3::zeros(), Mat3::identity() * shear_impedance)
 ///         });
-///         Ok(BoundaryParts { impedance: impedance.collect(), ..BoundaryParts::default() })
+///         Ok(BoundaryParts::default().with_impedance(impedance))
 ///     }
 /// }
 /// ```

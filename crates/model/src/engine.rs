@@ -1,14 +1,36 @@
 //! Interfaces of time integration and observation.
 
-use crate::{JointView, ModelError, RunError, Stress, Vec3};
+use crate::{JointView, ModelError, ParameterError, RunError, Stress, Vec3};
 
 /// Time discretisation of mass-proportional damping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MassDampingRule {
     /// Implicit: damping force of the mean of old and new velocity, solved with the nodal diagonal.
     Implicit,
     /// Lagged (explicit): damping force of the old velocity.
     Lagged,
+}
+
+impl MassDampingRule {
+    /// Coefficients (kg) of the new and of the old velocity in the momentum balance of a node with a mass (kg)
+    /// and a mass damping coefficient times the step (kg).
+    #[inline]
+    pub fn effective_mass(self, mass: f64, damping: f64) -> (f64, f64) {
+        match self {
+            Self::Implicit => (mass + 0.5 * damping, mass - 0.5 * damping),
+            Self::Lagged => (mass, mass - damping),
+        }
+    }
+    /// The velocity to which the damping force is proportional: of the old one and the mean of the old and
+    /// the new one.
+    #[inline]
+    pub fn damped_velocity<V>(self, old: V, mean: V) -> V {
+        match self {
+            Self::Implicit => mean,
+            Self::Lagged => old,
+        }
+    }
 }
 
 /// Options of the force evaluation of a time integrator.
@@ -153,8 +175,9 @@ pub trait TimeIntegrator: Send + Sync {
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError>;
 }
 
-/// Fields that an observer reads; an engine may omit the others.
+/// Fields that an observer reads beside displacement and velocity; an engine may omit the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Fields {
     /// Whether accelerations are read.
     pub acceleration: bool,
@@ -164,13 +187,62 @@ pub struct Fields {
     pub energy: bool,
 }
 
-/// Sampling interval of an observer.
+impl Fields {
+    /// The same with or without accelerations.
+    #[must_use]
+    pub fn with_acceleration(mut self, read: bool) -> Self {
+        self.acceleration = read;
+        self
+    }
+    /// The same with or without element stresses.
+    #[must_use]
+    pub fn with_stress(mut self, read: bool) -> Self {
+        self.stress = read;
+        self
+    }
+    /// The same with or without the energy ledger.
+    #[must_use]
+    pub fn with_energy(mut self, read: bool) -> Self {
+        self.energy = read;
+        self
+    }
+}
+
+/// Interval at which an observer is called.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Cadence {
     /// Interval in steps, at least 1; the first step is included.
     Steps(u64),
     /// Interval in seconds, above zero: the first step at or past every multiple of it.
     Seconds(f64),
+}
+
+impl Cadence {
+    /// Accepts an interval of at least one step, or of a positive time.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for `cadence`.
+    pub fn check(self) -> Result<(), ParameterError> {
+        match self {
+            Self::Steps(steps) => ParameterError::check("cadence", steps as f64, 1.0, f64::MAX),
+            Self::Seconds(time) => {
+                ParameterError::check("cadence", time, f64::MIN_POSITIVE, f64::MAX)
+            }
+        }
+    }
+    /// Whether an observer is called at a step of a number, a time (s) and a length (s). Times count as
+    /// reached a millionth of a step early.
+    pub fn is_due(self, number: u64, time: f64, step: f64) -> bool {
+        match self {
+            Self::Steps(every) => number.is_multiple_of(every.max(1)),
+            Self::Seconds(interval) if interval > step => {
+                let multiple = |t: f64| ((t + 1e-6 * step) / interval).floor();
+                number == 0 || multiple(time) > multiple(time - step)
+            }
+            Self::Seconds(_) => true,
+        }
+    }
 }
 
 /// Decision of an observer to continue or stop the run.

@@ -75,6 +75,9 @@ pub use state::{Cast, HistoryField, State};
 pub use step_time::StepTime;
 pub use tensor::{Principal, Strain, Stress};
 
+/// The crate of linear algebra whose vectors and matrices stand in public signatures, in the version in use.
+pub use nalgebra;
+
 /// A vector in space: position (m), displacement (m), velocity (m/s) or force (N).
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// A 3 x 3 matrix, such as a nodal spring (N/m) or dashpot (N s/m).

@@ -4,8 +4,9 @@ use std::collections::HashSet;
 
 use crate::{JointHistory, Stress, Vec3};
 
-/// Values of one named history variable (internal state variable) in some elements.
-#[derive(Clone, Debug, PartialEq)]
+/// Values of one history variable (internal state variable) at the integration points of an element set.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct HistoryField {
     /// Name of the variable.
     pub name: String,
@@ -27,8 +28,9 @@ pub struct Cast {
     pub displacement: Vec<Vec3>,
 }
 
-/// The complete mechanical state of a body, from which a stage or another model continues, by mesh indices.
+/// State of a body from which a stage, a run or another engine continues, keyed by mesh indices.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct State {
     /// Time (s).
     pub time: f64,
@@ -57,6 +59,22 @@ pub struct State {
 }
 
 impl HistoryField {
+    /// A variable of elements (mesh indices) with so many integration points each; the values of the points
+    /// of an element stand side by side.
+    pub fn new(
+        name: impl Into<String>,
+        elements: Vec<u32>,
+        points: usize,
+        values: Vec<f64>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            elements,
+            points,
+            values,
+        }
+    }
+
     /// Removes the values of some elements.
     fn remove(&mut self, elements: &HashSet<u32>) {
         let points = self.points;

@@ -1,4 +1,4 @@
-//! Built-in laws, kernels, joint laws and boundaries of every registry.
+//! Built-in laws, boundaries, joint laws and kernels of every registry.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::format::{AmplitudeRatio, DashpotRatio, PoissonRatio, Positive};
-use crate::{Material, Registry};
+use crate::{Material, Registry, keys};
 
 pub(crate) fn register(registry: &mut Registry) {
     registry.add_law("elastic", |elastic: Elastic| {
@@ -22,10 +22,10 @@ pub(crate) fn register(registry: &mut Registry) {
         let doubts = Finding::of_medium(&medium);
         Ok(Material::from(LinearElastic::new(medium)).with_doubts(doubts))
     });
-    registry.add_boundary("viscous-spring", |keys: ViscousSpringKeys| {
+    registry.add_boundary(keys::VISCOUS_SPRING, |keys: ViscousSpringKeys| {
         Ok(Arc::new(keys.build()?))
     });
-    registry.add_boundary("viscous", |keys: ViscousKeys| {
+    registry.add_boundary(keys::VISCOUS, |keys: ViscousKeys| {
         let input = keys.input.unwrap_or_default().mode();
         Ok(Arc::new(Viscous { input }))
     });
@@ -145,5 +145,34 @@ impl ViscousSpringKeys {
             },
             input: self.input.unwrap_or_default().mode(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{from_value, json};
+
+    use super::*;
+
+    /// The names that other programs take from [`keys`] are keys and values of scene files.
+    #[test]
+    fn names_are_those_of_scene_files() {
+        let registry = Registry::default();
+        let of = |name| registry.boundary_keys(name).unwrap();
+        assert_eq!(of(keys::VISCOUS), [keys::INPUT]);
+        let mut springs = vec!["a", keys::SPEED_RATIO, keys::DISTANCE];
+        springs.extend(keys::AXES);
+        springs.extend([keys::SPREADING, keys::INPUT]);
+        springs.sort_unstable();
+        assert_eq!(of(keys::VISCOUS_SPRING), springs);
+        let axis = json!({ keys::DISTANCE: 1.0, keys::SPEED_RATIO: 1.0 });
+        assert!(from_value::<AxisKeys>(axis).is_ok());
+        for input in [
+            json!(keys::FULL_FIELD),
+            json!({ keys::INCIDENT_ONLY: ["bottom"] }),
+        ] {
+            assert!(from_value::<Input>(input).is_ok());
+        }
+        assert!(from_value::<SpreadingKey>(json!(keys::CYLINDRICAL)).is_ok());
     }
 }

@@ -23,7 +23,7 @@ use crate::Material;
 ///     spectrum: RelaxationSpectrum::fit(band)?,
 ///     reference: ReferenceFrequency::Centre,
 /// };
-/// let rock = Part::new("rock", Material::from(LinearElastic::new(media::ROCK))).damping(flat);
+/// let rock = Part::new("rock", Material::from(LinearElastic::new(media::ROCK))).with_damping(flat);
 /// let moving = rock.moving_material()?;
 /// let shortening = media::ROCK.p_speed() / moving.medium().p_speed();
 /// assert!(shortening > 0.89 && shortening < 0.92, "{shortening}");

@@ -36,6 +36,7 @@ pub struct Doubt {
 
 /// Remarks and warnings that are written to the files of a run beside its results.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct RunNotes {
     /// Remarks of the composition of the scene.
     pub remarks: Vec<Remark>,
@@ -44,6 +45,17 @@ pub struct RunNotes {
 }
 
 impl RunNotes {
+    /// Notes of a run with the remarks of its scene.
+    pub fn new(remarks: Vec<Remark>) -> Self {
+        let warnings = Vec::new();
+        Self { remarks, warnings }
+    }
+    /// The same with warnings that were found otherwise.
+    #[must_use]
+    pub fn with_warnings(mut self, warnings: Vec<Doubt>) -> Self {
+        self.warnings = warnings;
+        self
+    }
     /// Warnings about a topic, as text lines.
     pub(crate) fn about(&self, topic: Topic) -> Vec<String> {
         let warnings = self.doubts(&[]).into_iter();

@@ -1,4 +1,4 @@
-//! Conversions of the built-in constitutive laws into materials.
+//! Conversion of the software's laws into materials.
 
 use powerhouse_material_damage::{
     DruckerPrager, ElastoPlastic, HoekBrown, LeeFenves, LinearElastic, Mazars, MohrCoulomb,

@@ -14,27 +14,36 @@
 //! # Ok::<(), powerhouse::Error>(())
 //! ```
 //!
+//! A program begins with [`prelude`]. Methods that set a value of a [`Scene`], a [`Part`] or an [`OutputPlan`]
+//! are called `with_x`, those that return it `x`; methods named by a singular noun add one item to a list.
+//!
 //! # Conventions
 //! SI units, z up, tension positive. Incidence is measured from the vertical; azimuth is the
 //! horizontal direction of travel, from +x towards +y. t = 0 of a record is its arrival at the
 //! corner of the mesh's box that the wave hits first, unless a reference point is given.
 //!
 //! # Why so
-//! *One type.* A scene file is converted into the same [`Scene`] that is composed in Rust, with the same capabilities.
+//! *One type.* A scene file is turned into the same [`Scene`] that programs compose: neither can do what the
+//! other cannot.
 //!
-//! *Open registry.* Laws, kernels and boundaries are found by name in a [`Registry`]; user-defined ones are registered
-//! beside the built-in ones and named in scene files like them.
+//! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are registered
+//! beside those that come with the software and named in scene files like them. A scene keeps the registry that
+//! it was read with, so that checks and advice know the same names.
 //!
-//! *Checks when the model is built.* The surroundings of a body are checked when a scene is prepared, by sampling the
-//! free field at the boundary nodes: it must be negligible at the start of a body at rest, have the medium of the mesh,
-//! and have no traction on free surfaces. So scenes from files and from Rust, and user-defined fields, have the same
-//! checks.
+//! *Tables of scene files are private.* Scene files get new keys; a program that composes scenes uses [`Scene`],
+//! one that edits files takes names from [`keys`].
 //!
-//! *Stages are checked when a scene is prepared, and computed when it is run.* A check needs no static solution: masses,
-//! stiffness and stable step of the dynamic model are those of its active elements, whatever their displacement.
+//! *The surroundings of a body are checked when a scene is prepared*, by sampling the incident field at the nodes
+//! through which it enters: the body must start with the field's motion, the ground must be of one medium, free
+//! surfaces must be without traction. So scenes from files and from programs, and fields of a user's own, are
+//! checked alike.
 //!
-//! *Faults with line and column.* Every value of a scene file keeps its byte range, so that every fault, whether found
-//! by the parser, with the mesh or by another crate, is reported with its position, before the computation starts.
+//! *Construction stages are checked when a scene is prepared and computed when it is run.* A check needs no
+//! static solution: masses, stiffness and the stable step are those of the elements that are present in the
+//! motion, wherever they have moved until then.
+//!
+//! *A fault has a position.* Every value of a scene file keeps the bytes that it was read from, so that a fault,
+//! found by the parser, in the mesh or by another crate, is shown at its line and column before the run.
 
 mod acting;
 mod builtin;
@@ -45,12 +54,18 @@ mod doubt;
 mod drive;
 mod error;
 mod fault;
-pub mod format;
+#[expect(
+    unreachable_pub,
+    reason = "tables of scene files: every new key would break users of these types"
+)]
+mod format;
 mod joint;
+pub mod keys;
 mod known;
 mod magnitude;
 mod output;
 mod part;
+pub mod prelude;
 mod reduction;
 mod registry;
 mod remark;
@@ -67,6 +82,10 @@ pub use powerhouse_io as io;
 pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
 pub use powerhouse_wavefield as wavefield;
+
+/// The crates of linear algebra and of schemas whose types stand in public signatures, in the versions in use.
+pub use powerhouse_model::nalgebra;
+pub use schemars;
 
 pub use damping::{Damping, DampingCost};
 pub use doubt::{Doubt, RunNotes, Topic, together};
@@ -85,8 +104,8 @@ pub use reduction::reduction_layer;
 pub use registry::Registry;
 pub use remark::Remark;
 pub use scene::{
-    Boundary, InitialMotion, LawMemory, Mirror, MirrorError, Parity, RegionError, ResidualLimit,
-    Scene, TimeStep,
+    Boundary, InitialMotion, InputOverview, LawMemory, Mirror, MirrorError, Parity, RegionError,
+    ResidualLimit, Scene, TimeStep, WaveOverview,
 };
 pub use scene_doubt::SceneDoubt;
 pub use simulation::{ProgressHook, RunHooks, Simulation};

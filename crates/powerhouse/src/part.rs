@@ -335,20 +335,20 @@ impl Part {
     }
     /// The same with a kernel.
     #[must_use]
-    pub fn kernel(mut self, kernel: impl Into<Kernel>) -> Self {
+    pub fn with_kernel(mut self, kernel: impl Into<Kernel>) -> Self {
         self.kernel = Some(kernel.into());
         self
     }
     /// The same with damping.
     #[must_use]
-    pub fn damping(mut self, damping: impl Into<Damping>) -> Self {
+    pub fn with_damping(mut self, damping: impl Into<Damping>) -> Self {
         self.damping = damping.into();
         self
     }
     /// The same with a rim (m), elastic and undamped, along the absorbing faces; 0 for the elements
     /// that touch them alone.
     #[must_use]
-    pub fn rim(mut self, width: f64) -> Self {
+    pub fn with_rim(mut self, width: f64) -> Self {
         self.rim = Some(width);
         self
     }

@@ -1,6 +1,6 @@
-//! Registry of laws, kernels, boundaries and mesh generators by name, including user-defined ones.
+//! Laws, kernels, boundaries, joint laws and mesh generators by name.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -15,8 +15,11 @@ use crate::format::{
 };
 use crate::{Kernel, Material, builtin};
 
-/// Registry of the types that scenes can name: constitutive laws, element kernels, absorbing boundaries, contact laws
-/// and mesh generators.
+/// Constitutive laws, element kernels, absorbing boundaries, joint laws and mesh generators by the names that
+/// scenes give them.
+///
+/// A scene keeps the registry that it was read with, so that checks, advice and savings of the scene know the
+/// same names; sweeps and trades of a file are given one. A clone shares what is registered.
 ///
 /// ```
 /// use powerhouse::{Material, Registry};
@@ -40,24 +43,43 @@ use crate::{Kernel, Material, builtin};
 /// });
 /// assert!(registry.law_names().any(|name| name == "rated-rock"));
 /// ```
+#[derive(Clone)]
 pub struct Registry {
     laws: BTreeMap<String, Entry<Material>>,
     boundaries: BTreeMap<String, Entry<Arc<dyn AbsorbingBoundary>>>,
     kernels: BTreeMap<String, Kernel>,
     joint_laws: BTreeMap<String, Entry<Box<dyn ContactLaw>>>,
     mesh_generators: BTreeMap<String, MeshGenerator>,
+    built_in: BuiltIn,
+    version: String,
 }
 
-/// Function that builds a mesh from an input file.
-type MeshGenerator = Box<dyn Fn(&Path) -> Result<Mesh, Refusal> + Send + Sync>;
-/// Error of a mesh generator.
+/// Names of the boundaries and kernels that come with the software and were not replaced.
+#[derive(Clone, Default)]
+struct BuiltIn {
+    boundaries: BTreeSet<String>,
+    kernels: BTreeSet<String>,
+}
+
+/// Function from a file to a mesh.
+type MeshGenerator = Arc<dyn Fn(&Path) -> Result<Mesh, Refusal> + Send + Sync>;
+/// Why a mesh generator refuses a file.
 type Refusal = Box<dyn std::error::Error + Send + Sync>;
 
-type Build<T> = Box<dyn Fn(&Parameters) -> Result<T, Fault> + Send + Sync>;
+type Build<T> = Arc<dyn Fn(&Parameters) -> Result<T, Fault> + Send + Sync>;
 
 struct Entry<T> {
     build: Build<T>,
     schema: fn(&mut SchemaGenerator) -> Schema,
+}
+
+impl<T> Clone for Entry<T> {
+    fn clone(&self) -> Self {
+        Self {
+            build: self.build.clone(),
+            schema: self.schema,
+        }
+    }
 }
 
 impl<T> Entry<T> {
@@ -67,7 +89,7 @@ impl<T> Entry<T> {
         F: Fn(P) -> Result<T, ModelError> + Send + Sync + 'static,
     {
         Self {
-            build: Box::new(move |parameters| {
+            build: Arc::new(move |parameters| {
                 build(parameters.decode()?).map_err(|error| {
                     // The name in the error may be that of the key concerned.
                     let key = match &error {
@@ -84,7 +106,7 @@ impl<T> Entry<T> {
 }
 
 impl Default for Registry {
-    /// Registry of the built-in types.
+    /// The laws, boundaries, joint laws and kernels that come with the software.
     fn default() -> Self {
         let mut registry = Self {
             laws: BTreeMap::new(),
@@ -92,8 +114,14 @@ impl Default for Registry {
             kernels: BTreeMap::new(),
             joint_laws: BTreeMap::new(),
             mesh_generators: BTreeMap::new(),
+            built_in: BuiltIn::default(),
+            version: String::new(),
         };
         builtin::register(&mut registry);
+        registry.built_in = BuiltIn {
+            boundaries: registry.boundaries.keys().cloned().collect(),
+            kernels: registry.kernels.keys().cloned().collect(),
+        };
         registry
     }
 }
@@ -116,11 +144,15 @@ impl Registry {
         P: DeserializeOwned + JsonSchema,
         F: Fn(P) -> Result<Arc<dyn AbsorbingBoundary>, ModelError> + Send + Sync + 'static,
     {
-        self.boundaries.insert(name.into(), Entry::new(build));
+        let name = name.into();
+        self.built_in.boundaries.remove(&name);
+        self.boundaries.insert(name, Entry::new(build));
     }
     /// Adds or replaces an element kernel.
     pub fn add_kernel(&mut self, name: impl Into<String>, kernel: Kernel) {
-        self.kernels.insert(name.into(), kernel);
+        let name = name.into();
+        self.built_in.kernels.remove(&name);
+        self.kernels.insert(name, kernel);
     }
     /// Adds or replaces a contact law of joints, as [`add_law`](Self::add_law); its keys belong to a `[[joint]]` table.
     pub fn add_joint_law<P, F>(&mut self, name: impl Into<String>, build: F)
@@ -138,8 +170,53 @@ impl Registry {
         E: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
         let generate = move |file: &Path| generate(file).map_err(Into::into);
-        self.mesh_generators.insert(name.into(), Box::new(generate));
+        self.mesh_generators.insert(name.into(), Arc::new(generate));
     }
+    /// Sets a text that says which version of its own laws, boundaries and kernels a program registers.
+    /// Sweeps and trades repeat finished runs when it changes; they cannot see that the code behind a name
+    /// has changed.
+    #[must_use]
+    pub fn with_version(mut self, version: impl Into<String>) -> Self {
+        self.version = version.into();
+        self
+    }
+    /// Version of a program's own laws, boundaries and kernels; empty unless it was set.
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+    /// Names of the boundaries that were added to, or replace, those of the software.
+    pub fn added_boundary_names(&self) -> impl Iterator<Item = &str> {
+        let built_in = &self.built_in.boundaries;
+        self.boundary_names()
+            .filter(|name| !built_in.contains(*name))
+    }
+    /// Names of the kernels that were added to, or replace, those of the software.
+    pub fn added_kernel_names(&self) -> impl Iterator<Item = &str> {
+        let built_in = &self.built_in.kernels;
+        self.kernel_names().filter(|name| !built_in.contains(*name))
+    }
+    /// The kernel of a name.
+    pub fn kernel_named(&self, name: &str) -> Option<&Kernel> {
+        self.kernels.get(name)
+    }
+    /// The boundary of a name with none of its own keys given; none if there is no such boundary, or if it
+    /// does not do without keys.
+    pub fn boundary_without_keys(&self, name: &str) -> Option<Arc<dyn AbsorbingBoundary>> {
+        let entry = self.boundaries.get(name)?;
+        (entry.build)(&Parameters::default()).ok()
+    }
+    /// Names of the keys of a boundary, in rising order, beside those of [every boundary](crate::keys::BOUNDARY); none
+    /// if there is no such boundary.
+    pub fn boundary_keys(&self, name: &str) -> Option<Vec<String>> {
+        let entry = self.boundaries.get(name)?;
+        let schema = (entry.schema)(&mut SchemaGenerator::default());
+        let properties = schema.get("properties").and_then(Value::as_object);
+        let mut keys: Vec<String> =
+            properties.map_or(Vec::new(), |map| map.keys().cloned().collect());
+        keys.sort_unstable();
+        Some(keys)
+    }
+
     /// Names of the constitutive laws.
     pub fn law_names(&self) -> impl Iterator<Item = &str> {
         self.laws.keys().map(String::as_str)

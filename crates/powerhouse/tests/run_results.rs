@@ -31,13 +31,14 @@ fn cube() -> Scene {
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
-        .field(PlaneWave::new(parameters, pulse).unwrap())
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(top))
-        .duration(0.3)
-        .output(OutputPlan {
-            energies: Some(0.01),
-            ..OutputPlan::default().history("top", top, Motion::ALL)
-        })
+        .with_field(PlaneWave::new(parameters, pulse).unwrap())
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(top))
+        .with_duration(0.3)
+        .with_output(
+            OutputPlan::default()
+                .history("top", top, Motion::ALL)
+                .with_energies(0.01),
+        )
 }
 
 fn run(scene: Scene) -> Result<Results, Error> {
@@ -63,9 +64,9 @@ fn the_energy_balance_is_checked() {
     assert!(!names.contains(&"friction") && !names.contains(&"residual"));
 
     // Also without a history of energies.
-    for plan in [cube().output_plan().clone(), OutputPlan::default()] {
+    for plan in [cube().output().clone(), OutputPlan::default()] {
         let share = ResidualLimit::Share(1e-3 * residual.largest);
-        let scene = cube().output(plan.clone()).energy_residual(share);
+        let scene = cube().with_output(plan.clone()).with_energy_residual(share);
         match run(scene) {
             Err(Error::Failed {
                 error: RunError::EnergyResidual { set, residual, .. },
@@ -74,12 +75,12 @@ fn the_energy_balance_is_checked() {
             other => panic!("{other:?}"),
         }
         let unchecked = cube()
-            .output(plan)
-            .energy_residual(ResidualLimit::Unchecked);
+            .with_output(plan)
+            .with_energy_residual(ResidualLimit::Unchecked);
         assert_eq!(run(unchecked).unwrap().run.ended, Ended::Completed);
     }
     for wrong in [0.0, 1.5, f64::NAN] {
-        let scene = cube().energy_residual(ResidualLimit::Share(wrong));
+        let scene = cube().with_energy_residual(ResidualLimit::Share(wrong));
         assert!(matches!(
             scene.prepare(),
             Err(Error::Parameter(ParameterError { .. }))
@@ -138,10 +139,7 @@ fn a_failed_run_keeps_what_it_recorded() {
     let folder = Folder::new("failed");
     let simulation = cube().prepare().unwrap();
     let mesh = simulation.mesh().clone();
-    let hooks = RunHooks {
-        observers: vec![Box::new(Fails { at: 9 })],
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_observer(Fails { at: 9 });
     let Err(Error::Failed { error, results }) = simulation.run(hooks) else {
         panic!("the observer's failure went unheard")
     };
@@ -173,20 +171,14 @@ fn old_results_do_not_mix_with_new_ones() {
     let results_of = ResultFolder::new(&folder.0);
     let go = |snapshots: bool| {
         let mut scene = cube();
-        let mut plan = scene.output_plan().clone();
-        plan.snapshots = snapshots.then_some(SnapshotRequest {
-            fields: Default::default(),
-            every: 0.1,
-        });
-        scene = scene.output(plan);
+        let mut plan = scene.output().clone();
+        plan.snapshots = snapshots.then_some(SnapshotRequest::new(0.1));
+        scene = scene.with_output(plan);
         let simulation = scene.prepare().unwrap();
         let mesh = simulation.mesh().clone();
         results_of.create().unwrap();
         results_of.clear().unwrap();
-        let hooks = RunHooks {
-            snapshots: Some(results_of.snapshots(&simulation).unwrap()),
-            ..RunHooks::default()
-        };
+        let hooks = RunHooks::default().with_snapshots(results_of.snapshots(&simulation).unwrap());
         let results = simulation.run(hooks).unwrap();
         let files = results_of.write(("cube", &mesh), &results, &RunNotes::default(), None);
         files.unwrap().contains(&folder.0.join("snapshots.pvd"))
@@ -300,13 +292,10 @@ fn sections_through_tetrahedra_are_doubted() {
         };
         let scene = Scene::new("cut", mesh)
             .part(Part::new("rock", rock))
-            .duration(0.01)
-            .output(plan);
+            .with_duration(0.01)
+            .with_output(plan);
         let simulation = scene.prepare().unwrap();
-        let notes = RunNotes {
-            remarks: simulation.remarks().to_vec(),
-            ..RunNotes::default()
-        };
+        let notes = RunNotes::new(simulation.remarks().to_vec());
         let told = notes.remarks.iter().filter(|remark| remark.is_warning());
         let told: Vec<String> = told.map(ToString::to_string).collect();
         let says = |text: &str| {

@@ -11,7 +11,7 @@ use crate::cost::{self, Cost, StepTimer};
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
-use crate::saving::{FormatError, Saving, Survey};
+use crate::saving::{FormatError, RefusedChange, RunTiming, Saving, Savings, Survey};
 use crate::static_cost::{self, StagePlans};
 
 /// Aspect ratio above which the wave speeds along and across an element differ noticeably.
@@ -193,6 +193,8 @@ pub struct CheckReport {
     pub format: Option<FormatError>,
     /// The at most three changes that save most wall time, the best first.
     pub savings: Vec<Saving>,
+    /// Changes with which the scene is refused, and why.
+    pub refused: Vec<RefusedChange>,
 }
 
 /// Checks a scene before its run: mesh quality, resolved frequencies, stable step, and predicted cost of its stages
@@ -240,8 +242,16 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         memory: model.memory(steps),
         output: model.output(steps),
     };
-    let timing = (step, steps, of_step);
-    let (savings, format) = survey.best(&stable, &resolution, &mut clock, timing);
+    let timing = RunTiming {
+        step,
+        steps,
+        of_step,
+    };
+    let Savings {
+        best: savings,
+        refused,
+        format,
+    } = survey.best(&stable, &resolution, &mut clock, &timing);
     let severe = format.iter().filter(|format| format.needs_warning());
     warnings.extend(severe.cloned().map(Warning::Format));
     Ok(CheckReport {
@@ -258,6 +268,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         warnings,
         format,
         savings,
+        refused,
     })
 }
 

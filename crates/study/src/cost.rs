@@ -263,9 +263,9 @@ impl CostModel {
         absorbing.dedup();
         Ok(Self {
             mesh,
-            plan: scene.output_plan().clone(),
-            duration: scene.run_duration(),
-            precision: scene.number_format(),
+            plan: scene.output().clone(),
+            duration: scene.duration(),
+            precision: scene.precision(),
             absorbing_nodes: absorbing.len(),
             joints: JointSizes::of(scene),
             laws: LawSizes::of(&scene.law_memory()?),
@@ -450,9 +450,9 @@ mod tests {
             let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(1.0), [4; 3], "rock");
             let faces = ["left", "right", "front", "back", "bottom"];
             let scene = Scene::new("cube", mesh.unwrap())
-                .part(part.kernel(SolidKernel::Hex8Full))
-                .boundary(Boundary::new(ViscousSpring::default(), faces))
-                .precision(precision);
+                .part(part.with_kernel(SolidKernel::Hex8Full))
+                .with_boundary(Boundary::new(ViscousSpring::default(), faces))
+                .with_precision(precision);
             CostModel::of(&scene).unwrap().memory(100) as f64
         };
         let medium = media::ROCK;
@@ -474,11 +474,11 @@ mod tests {
         let shown = (32.0 + 16.0) * 64.0;
         for (part, numbers, shown) in [
             (yields(), 8.0 * points, shown),
-            (elastic().damping(flat.clone()), 12.0 * points, 0.0),
-            (yields().damping(flat.clone()), 20.0 * points, shown),
+            (elastic().with_damping(flat.clone()), 12.0 * points, 0.0),
+            (yields().with_damping(flat.clone()), 20.0 * points, shown),
             // Two of four layers along three axes touch the faces, one along the vertical.
             (
-                yields().damping(flat).rim(0.0),
+                yields().with_damping(flat).with_rim(0.0),
                 20.0 * 8.0 * 12.0,
                 48.0 * 12.0,
             ),

@@ -99,8 +99,7 @@ impl FreeFieldCheck {
     /// A scene without an incident field, with a field that does not move the points, or with a side of its box, other
     /// than the top, that neither absorbs nor is supported.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
-        let (Some(field), Some(boundary)) = (scene.incident_field(), scene.absorbing_boundary())
-        else {
+        let (Some(field), Some(boundary)) = (scene.field(), scene.boundary()) else {
             return Err(StudyError::NoField);
         };
         let (low, high) = scene.mesh().bounding_box();
@@ -116,14 +115,11 @@ impl FreeFieldCheck {
         let sampler = field
             .prepare(&points.map(|(_, point)| point))
             .map_err(Error::from)?;
-        let (start, duration) = (scene.start_time(), scene.run_duration());
+        let (start, duration) = (scene.start_time(), scene.duration());
         let window =
             window(sampler.as_ref(), start, duration).ok_or(StudyError::StillField { duration })?;
-        let mut output = OutputPlan {
-            // At every step.
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        // At every step.
+        let mut output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         let wanted = Motion {
             acceleration: false,
             ..Motion::ALL
@@ -140,20 +136,21 @@ impl FreeFieldCheck {
             boundary.region = region;
             let mut composed = Scene::new(format!("{}: free field", scene.title()), mesh.clone())
                 .part(part)
-                .shared_field(field.clone())
-                .boundary(boundary)
-                .start(start, scene.initial_motion())
-                .duration(window)
-                .output(output.clone())
+                .with_shared_field(field.clone())
+                .with_boundary(boundary)
+                .with_start_time(start)
+                .with_initial_motion(scene.initial_motion())
+                .with_duration(window)
+                .with_output(output.clone())
                 .allow_magnitudes();
             for support in &held.supports {
                 composed = composed.support(support.clone());
             }
             for pairs in &held.periodic {
-                composed = composed.periodic(pairs.clone());
+                composed = composed.with_periodic_pairs(pairs.clone());
             }
-            if let Some(threads) = scene.thread_count() {
-                composed = composed.threads(threads);
+            if let Some(threads) = scene.threads() {
+                composed = composed.with_threads(threads);
             }
             composed
         };
@@ -184,25 +181,18 @@ impl FreeFieldCheck {
             points: self.points,
         };
         let (stop, mut progress) = (hooks.stop.clone(), hooks.progress);
-        let first = RunHooks {
-            progress: progress
-                .as_mut()
-                .map(|hook| -> ProgressHook { Box::new(|now: Progress| hook(now)) }),
-            stop: hooks.stop,
-            snapshots: hooks.snapshots,
-            stages: hooks.stages,
-            observers: hooks.observers,
-            ..RunHooks::default()
-        };
+        let mut first = RunHooks::default();
+        first.progress = progress
+            .as_mut()
+            .map(|hook| -> ProgressHook { Box::new(|now: Progress| hook(now)) });
+        (first.stop, first.snapshots) = (hooks.stop, hooks.snapshots);
+        (first.stages, first.observers) = (hooks.stages, hooks.observers);
         let (points, step, time) = compare.run(elastic, scene_step, first)?;
         let damped = match damped {
             None => None,
             Some(damped) => {
-                let hooks = RunHooks {
-                    progress,
-                    stop,
-                    ..RunHooks::default()
-                };
+                let mut hooks = RunHooks::default();
+                (hooks.progress, hooks.stop) = (progress, stop);
                 Some(compare.run(damped, scene_step, hooks)?.0)
             }
         };
@@ -346,14 +336,14 @@ fn ground(scene: &Scene, medium: ElasticMedium) -> Result<(Part, Option<Part>), 
         .collect();
     let kernel = behind.first().and_then(|part| part.kernel.clone());
     let part = match kernel.filter(|kernel: &Kernel| kernel.kind() == ElementKind::Hex8) {
-        Some(kernel) => part.kernel(kernel),
+        Some(kernel) => part.with_kernel(kernel),
         None => part,
     };
     let damped = behind.iter().find(|part| part.damping != Damping::None);
     let damped = damped.map(|of| {
-        let damped = part.clone().damping(of.damping.clone());
+        let damped = part.clone().with_damping(of.damping.clone());
         match of.rim {
-            Some(width) => damped.rim(width),
+            Some(width) => damped.with_rim(width),
             None => damped,
         }
     });

@@ -21,11 +21,20 @@ pub(crate) struct Fingerprint {
     /// Duration (s), if it is not that of the scene.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     duration: Option<f64>,
+    /// The version of a program's own laws, boundaries and kernels, if it says one.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    registered: String,
 }
 
 impl Fingerprint {
-    /// The fingerprint of a scene's text, of the bytes of its files, and of a duration that replaces the scene's.
-    pub(crate) fn of(scene: &str, files: &[Vec<u8>], duration: Option<f64>) -> Self {
+    /// The fingerprint of a scene's text, of the bytes of its files, of a duration that replaces the scene's, and of the version of what is
+    /// registered.
+    pub(crate) fn of(
+        scene: &str,
+        files: &[Vec<u8>],
+        duration: Option<f64>,
+        registered: &str,
+    ) -> Self {
         let mut sum = Checksum::default();
         sum.add(scene.as_bytes());
         files.iter().for_each(|bytes| sum.add(bytes));
@@ -33,6 +42,7 @@ impl Fingerprint {
             software: REVISION.into(),
             inputs: sum.text(),
             duration,
+            registered: registered.into(),
         }
     }
 
@@ -45,6 +55,7 @@ impl Fingerprint {
         (path, scene): (&Path, &str),
         cases: &[String],
         duration: Option<f64>,
+        registered: &str,
     ) -> Result<BTreeMap<String, Self>, StudyError> {
         let mut all = table(path, scene)?;
         if let Some(toml::Value::Table(output)) = all.get_mut("output") {
@@ -57,7 +68,8 @@ impl Fingerprint {
                 cases.retain(|own| is_case(own, case));
             }
             let files = files_of(path, &table)?;
-            Ok((case.clone(), Self::of(&table.to_string(), &files, duration)))
+            let mark = Self::of(&table.to_string(), &files, duration, registered);
+            Ok((case.clone(), mark))
         };
         cases.iter().map(of_case).collect()
     }

@@ -18,7 +18,7 @@ pub(crate) struct Recorded {
 impl Recorded {
     /// Collects the nodes, elements and points of all requests of motion, stress and history variables.
     pub(crate) fn of(scene: &Scene) -> Self {
-        let (mesh, plan) = (scene.mesh(), scene.output_plan());
+        let (mesh, plan) = (scene.mesh(), scene.output());
         let mut recorded = Self::default();
         let places = (plan.histories.iter().map(|request| &request.place)).chain(
             plan.relative

@@ -79,7 +79,7 @@ pub(crate) fn warnings(
     let mut warnings = Vec::new();
     if let Some(spectrum) = incoming(scene)? {
         if spectrum.iter().all(|(_, energy)| *energy == 0.0) {
-            let duration = scene.run_duration();
+            let duration = scene.duration();
             warnings.push(Warning::StillField { duration });
         }
         motions.push(("the incident motion".into(), spectrum));
@@ -113,7 +113,7 @@ pub(crate) fn warnings(
 
 /// The spectrum of the incident field at the middle of the top of the mesh; `None` without a field.
 pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
-    let Some(field) = scene.incident_field() else {
+    let Some(field) = scene.field() else {
         return Ok(None);
     };
     let (low, high) = scene.mesh().bounding_box();
@@ -121,7 +121,7 @@ pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
     let sampler = field
         .prepare(&[Vec3::new(middle.x, middle.y, high.z)])
         .map_err(Error::from)?;
-    let run = scene.run_duration();
+    let run = scene.duration();
     let fading = LEAST_FADING.max(FADING_SHARE * run);
     let interval = (run + fading) / INSTANTS as f64;
     let velocities: Vec<Vec3> = (0..=INSTANTS)

@@ -188,7 +188,7 @@ pub(crate) fn of(
         stop: stop.clone(),
         events: events.clone(),
     };
-    match simulation.bring_to_rest(Some(&stop), Some(Box::new(timer))) {
+    match simulation.equilibrate(Some(&stop), Some(Box::new(timer))) {
         Ok(_) | Err(Error::Interrupted { .. }) => {}
         Err(error) => return Err(error.into()),
     }

@@ -110,11 +110,11 @@ fn cube(known: bool) -> Scene {
     let faces = ["left", "right", "front", "back", "bottom"];
     let scene = Scene::new("cube", mesh)
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
-        .boundary(Boundary::new(ViscousSpring::default(), faces))
-        .duration(0.4);
+        .with_boundary(Boundary::new(ViscousSpring::default(), faces))
+        .with_duration(0.4);
     match known {
-        true => scene.plane_waves(vec![wave]).unwrap(),
-        false => scene.field(wave),
+        true => scene.with_plane_waves(vec![wave]).unwrap(),
+        false => scene.with_field(wave),
     }
 }
 
@@ -168,9 +168,9 @@ fn the_table_gives_the_recommended_boundary() {
     let table = generous.table().unwrap();
     let pasted = histories(folder.read(&table));
     let mut scene = folder.read(BOUNDARY);
-    let mut boundary = scene.absorbing_boundary().unwrap().clone();
-    boundary.condition = generous.condition(named.kind).unwrap();
-    scene = scene.boundary(boundary);
+    let mut boundary = scene.boundary().unwrap().clone();
+    boundary.condition = generous.condition(&named.kind).unwrap();
+    scene = scene.with_boundary(boundary);
     assert_eq!(pasted, histories(scene), "{table}");
     assert!(generous.to_string().contains(&table));
 
@@ -267,7 +267,7 @@ fn without_a_scatterer_dashpots_suffice() {
         spreading: Spreading::Spherical,
         distances: [45.0; 3],
     };
-    let face = kind.face(&surroundings, 45.0);
+    let face = kind.face(&surroundings, 45.0).unwrap();
     assert!((face.normal_spring / (4.0 * ROCK.shear() / 45.0) - 1.0).abs() < 1e-12);
 }
 
@@ -282,8 +282,8 @@ fn missing_input_of_a_prediction_is_an_error() {
     assert!(matches!(refused(&bare), StudyError::NoBoundary));
     let still = Scene::new("still", mesh())
         .part(rock())
-        .boundary(Boundary::new(ViscousSpring::default(), ["bottom"]))
-        .output(OutputPlan::default().history("top", Vec3::repeat(3.0), Motion::ALL));
+        .with_boundary(Boundary::new(ViscousSpring::default(), ["bottom"]))
+        .with_output(OutputPlan::default().history("top", Vec3::repeat(3.0), Motion::ALL));
     assert!(matches!(refused(&still), StudyError::NoExcitation));
     let narrow = OpeningSlice {
         half_width: 4.4,

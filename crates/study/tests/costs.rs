@@ -40,15 +40,15 @@ fn scene(mesh: Mesh, faces: &[&str]) -> Scene {
     let wave = PlaneWave::new(parameters, pulse).unwrap();
     let boundary = Boundary::new(ViscousSpring::default(), faces.iter().copied());
     Scene::new("ground", mesh)
-        .plane_waves(vec![wave])
+        .with_plane_waves(vec![wave])
         .unwrap()
-        .boundary(boundary.scatterer(TOP - Vec3::new(0.0, 0.0, 15.0)))
-        .duration(0.4)
+        .with_boundary(boundary.with_scatterer(TOP - Vec3::new(0.0, 0.0, 15.0)))
+        .with_duration(0.4)
 }
 
 /// Steps and elements of a run.
 fn counts(scene: Scene) -> [f64; 2] {
-    let duration = scene.run_duration();
+    let duration = scene.duration();
     let mut simulation = scene.prepare().unwrap();
     let step = simulation.step().unwrap();
     let elements = simulation.mesh().element_count() as f64;
@@ -65,7 +65,7 @@ fn of(savings: &[Saving], change: impl Fn(&Change) -> bool) -> &Saving {
 #[test]
 fn halves_and_stable_steps_save_as_predicted() {
     let whole = || scene(ground(1.0), &SIDES).part(Part::new("rock", rock()));
-    let slow = || whole().step(TimeStep::OfStable(0.6));
+    let slow = || whole().with_step(TimeStep::OfStable(0.6));
     let report = check(slow()).unwrap();
     let savings = &report.savings;
     assert_eq!(savings.len(), 3);
@@ -94,7 +94,7 @@ fn halves_and_stable_steps_save_as_predicted() {
     };
     let halved = scene(mesh, &["right", "front", "back", "bottom"]);
     let halved = halved.part(Part::new("rock", rock())).mirror(mirror);
-    let found = counts(halved.step(TimeStep::OfStable(0.6)));
+    let found = counts(halved.with_step(TimeStep::OfStable(0.6)));
     assert_eq!(found[1] / elements, half.elements);
     assert!((found[0] / steps - half.steps).abs() < 0.02);
     assert_eq!(half.time, half.elements);
@@ -289,10 +289,10 @@ fn short_stages_are_known_not_predicted() {
             .stage(
                 SceneStage::new("pit")
                     .excavate("pit")
-                    .options(StaticOptions::default().with_increments(2)),
+                    .with_options(StaticOptions::default().with_increments(2)),
             )
     };
-    let body = staged().prepare().unwrap().bring_to_rest(None, None);
+    let body = staged().prepare().unwrap().equilibrate(None, None);
     let body = body.unwrap().unwrap();
     let corrections: u32 = (body.stages().iter())
         .map(|stage| stage.solution.corrections)

@@ -29,9 +29,11 @@ fn cut(
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
-        .boundary(Boundary::new(boundary, faces.iter().copied()).scatterer(Vec3::repeat(20.0)))
+        .with_boundary(
+            Boundary::new(boundary, faces.iter().copied()).with_scatterer(Vec3::repeat(20.0)),
+        )
         .joint(SceneJoint::new("bedding", surface, law))
-        .duration(0.1)
+        .with_duration(0.1)
 }
 
 fn warnings_of(scene: &Scene) -> Vec<Warning> {
@@ -64,7 +66,7 @@ fn joints_are_listed() {
         "rock",
         Material::from(LinearElastic::new(media::ROCK)),
     ))
-    .duration(0.1);
+    .with_duration(0.1);
     let plain = check(plain).unwrap();
     assert!(report.cost.output > plain.cost.output && report.cost.memory > plain.cost.memory);
 }

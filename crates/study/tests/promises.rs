@@ -246,7 +246,7 @@ fn read(folder: &Path, precision: &str) -> Scene {
     let text = format!("precision = \"{precision}\"\n{text}");
     Scene::from_toml(text, path, &registry())
         .unwrap()
-        .threads(1)
+        .with_threads(1)
 }
 
 /// Histories of a whole run, and what its steps take (s).
@@ -448,7 +448,7 @@ fn a_short_scene_is_not_run_past_its_end() {
                 assert!(time <= 0.02, "the load of {time} s was asked for");
                 1.0
             })
-            .duration(duration);
+            .with_duration(duration);
         let report = check(scene).unwrap();
         assert!(report.cost.steps >= 1);
     }

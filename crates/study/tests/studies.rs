@@ -47,12 +47,12 @@ fn scene(cells: usize, faces: &[&str]) -> Scene {
     let (mesh, wave) = cube(cells);
     Scene::new("cube", mesh)
         .part(rock())
-        .field(wave)
-        .boundary(
+        .with_field(wave)
+        .with_boundary(
             Boundary::new(ViscousSpring::default(), faces.iter().copied())
-                .scatterer(Vec3::new(150.0, 150.0, -100.0)),
+                .with_scatterer(Vec3::new(150.0, 150.0, -100.0)),
         )
-        .duration(1.5)
+        .with_duration(1.5)
 }
 
 const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
@@ -99,12 +99,12 @@ fn faces_may_have_any_names() {
     mesh.set_facet_set("outer", outer).unwrap();
     let scene_with_one = Scene::new("cube", mesh)
         .part(rock())
-        .field(wave)
-        .boundary(
+        .with_field(wave)
+        .with_boundary(
             Boundary::new(ViscousSpring::default(), ["outer"])
-                .scatterer(Vec3::new(150.0, 150.0, -100.0)),
+                .with_scatterer(Vec3::new(150.0, 150.0, -100.0)),
         )
-        .duration(1.5);
+        .with_duration(1.5);
     let (one, five) = (free_field(&scene_with_one), free_field(&scene(6, &SIDES)));
     // Edges sum their faces in another order: rounding is all that may differ.
     for (one, five) in one.points.iter().zip(&five.points) {
@@ -161,9 +161,9 @@ fn the_input_is_compared_with_the_resolution() {
     let (mesh, wave) = cube_under(4, Arc::new(SmoothPulse::new(0.01, 0.5).unwrap()));
     let early = Scene::new("early", mesh)
         .part(rock())
-        .field(wave)
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(Vec3::zeros()))
-        .duration(0.01);
+        .with_field(wave)
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(Vec3::zeros()))
+        .with_duration(0.01);
     let printed = warnings(&early).unwrap();
     assert!(
         printed.contains(&Warning::StillField { duration: 0.01 }),
@@ -206,12 +206,12 @@ fn the_box_is_as_coarse_as_the_rock_at_its_coarsest() {
             })
             .unwrap();
         let scatterer = Vec3::new(150.0, 150.0, -100.0);
-        let boundary = Boundary::new(ViscousSpring::default(), SIDES).scatterer(scatterer);
+        let boundary = Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(scatterer);
         Scene::new("graded", mesh)
             .part(rock())
-            .field(wave)
-            .boundary(boundary)
-            .duration(1.5)
+            .with_field(wave)
+            .with_boundary(boundary)
+            .with_duration(1.5)
     };
     let cells = |scene: &Scene| free_field(scene).cells;
     assert_eq!(cells(&graded(1.0)), [12; 3]);
@@ -237,7 +237,7 @@ fn slices_are_checked() {
     });
     let periodic = sliced(&|scene, mesh| {
         let (front, back) = (nodes(mesh, "front"), nodes(mesh, "back"));
-        scene.periodic(PeriodicPairs::by_translation(mesh, &front, &back, 1e-6).unwrap())
+        scene.with_periodic_pairs(PeriodicPairs::by_translation(mesh, &front, &back, 1e-6).unwrap())
     });
     let block = free_field(&scene(12, &SIDES));
     for slice in [rollers, periodic] {
@@ -277,10 +277,10 @@ fn damping_is_reported_separately() {
     let rayleigh = Rayleigh::from_ratio(0.05, 1.0, 10.0).unwrap();
     let scatterer = Vec3::new(150.0, 150.0, -100.0);
     let damped = Scene::new("damped", mesh)
-        .part(rock().damping(rayleigh))
-        .field(wave)
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(scatterer))
-        .duration(1.5);
+        .part(rock().with_damping(rayleigh))
+        .with_field(wave)
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(scatterer))
+        .with_duration(1.5);
     let damped = free_field(&damped);
     assert_eq!(damped.points, elastic.points);
     let with = &damped.damped.unwrap()[0];
@@ -295,11 +295,8 @@ fn costs_of_any_plan_are_finite() {
         let mut plan =
             OutputPlan::default().history("top", Vec3::new(150.0, 150.0, 0.0), Motion::ALL);
         plan.every = every;
-        plan.snapshots = Some(SnapshotRequest {
-            fields: Default::default(),
-            every: snapshots,
-        });
-        check(scene(4, &SIDES).output(plan)).unwrap().cost
+        plan.snapshots = Some(SnapshotRequest::new(snapshots));
+        check(scene(4, &SIDES).with_output(plan)).unwrap().cost
     };
     let (each, tiny) = (cost(1e-9, 0.1), cost(f64::MIN_POSITIVE, 0.1));
     assert_eq!((each.output, each.memory), (tiny.output, tiny.memory));
@@ -319,11 +316,11 @@ fn a_check_warns() {
             .unwrap();
         let rayleigh = Rayleigh::from_ratio(0.05, 1.0, 10.0).unwrap();
         Scene::new("flat", mesh)
-            .part(rock().damping(rayleigh))
-            .field(wave)
-            .boundary(
+            .part(rock().with_damping(rayleigh))
+            .with_field(wave)
+            .with_boundary(
                 Boundary::new(ViscousSpring::default(), SIDES)
-                    .scatterer(Vec3::new(150.0, 150.0, -7.0)),
+                    .with_scatterer(Vec3::new(150.0, 150.0, -7.0)),
             )
     };
     let report = check(damped).unwrap();

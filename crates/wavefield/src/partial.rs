@@ -117,6 +117,17 @@ impl PartialWave {
     }
 }
 
+/// Where and when an incident wave arrives in a half-space.
+#[derive(Clone, Copy)]
+pub(crate) struct Arrival {
+    /// The point (m) that it passes at `time`.
+    pub(crate) reference: Vec3,
+    /// The time of arrival there (s).
+    pub(crate) time: f64,
+    /// Height z of the free surface (m).
+    pub(crate) surface: f64,
+}
+
 /// Incident wave and its reflections. The amplitude converts the signal into the incident wave;
 /// cosine and sine are those of the azimuth.
 pub(crate) fn half_space_waves(
@@ -124,11 +135,16 @@ pub(crate) fn half_space_waves(
     amplitude: Complex,
     (cosine, sine): (f64, f64),
     medium: &ElasticMedium,
-    (reference, arrival, surface): (Vec3, f64, f64),
+    arrival: Arrival,
 ) -> Vec<PartialWave> {
+    let Arrival {
+        reference,
+        time,
+        surface,
+    } = arrival;
     let rise = reflection.vertical_slowness;
     let at_surface = Vec3::new(reference.x, reference.y, surface);
-    let surface_time = Complex::new(rise, 0.0) * (surface - reference.z) + arrival;
+    let surface_time = Complex::new(rise, 0.0) * (surface - reference.z) + time;
     let downward = [Complex::new(-rise, 0.0), -reflection.converted_slowness];
     let [incident, same, converted] = reflection.polarisations();
     let rotated = |vector: [Complex; 3]| rotated(vector.map(|v| v * amplitude), cosine, sine);
@@ -146,7 +162,7 @@ pub(crate) fn half_space_waves(
         )
     };
     let mut waves = vec![
-        wave(incident, Complex::new(rise, 0.0), reference, arrival),
+        wave(incident, Complex::new(rise, 0.0), reference, time),
         wave(same, downward[0], at_surface, surface_time.re),
     ];
     if reflection.converted != Complex::new(0.0, 0.0) {

@@ -8,9 +8,9 @@ use std::sync::{Arc, OnceLock};
 use crate::analytic::{AnalyticTables, StartTaper};
 use crate::body::BodySampler;
 use crate::evanescent::AnalyticSampler;
-use crate::partial::{PartialWave, half_space_waves, rotated};
+use crate::partial::{Arrival, PartialWave, half_space_waves, rotated};
 use crate::signal::check_return;
-use crate::within::incident_of_within;
+use crate::within::{WithinRecord, incident_of_within};
 use crate::{
     Angle, Complex, InputConvention, InputConversion, Signal, SurfaceReflection, WaveError,
     WaveKind,
@@ -183,7 +183,11 @@ impl PlaneWave {
                     regularisation,
                 } = convention
                 {
-                    let record = (depth, component, regularisation);
+                    let record = WithinRecord {
+                        depth,
+                        component,
+                        regularisation,
+                    };
                     let (found, report) = incident_of_within(&*signal, &reflection, record)?;
                     signal = Arc::new(found);
                     conversion.within = Some(report);
@@ -193,7 +197,11 @@ impl PlaneWave {
                     conversion.amplitude,
                     (cosine, sine),
                     &medium,
-                    (reference, arrival, surface),
+                    Arrival {
+                        reference,
+                        time: arrival,
+                        surface,
+                    },
                 )
             }
             Site::FullSpace => {

@@ -58,6 +58,16 @@ impl Signal for SampledSignal {
     }
 }
 
+/// A record of one component of the motion within a half-space.
+#[derive(Clone, Copy)]
+pub(crate) struct WithinRecord {
+    /// Depth below the free surface (m).
+    pub(crate) depth: f64,
+    pub(crate) component: SurfaceComponent,
+    /// Regularisation of the division, relative to the sum of the waves' magnitudes, 1e-3 to 0.5.
+    pub(crate) regularisation: f64,
+}
+
 /// Incident wave at the recording point, of which `signal` is the given component at a depth.
 ///
 /// The incident wave precedes the record by the travel time to the surface and rings after it: it is
@@ -66,9 +76,14 @@ impl Signal for SampledSignal {
 pub(crate) fn incident_of_within(
     signal: &dyn Signal,
     reflection: &SurfaceReflection,
-    (depth, component, regularisation): (f64, SurfaceComponent, f64),
+    record: WithinRecord,
 ) -> Result<(SampledSignal, WithinReport), WaveError> {
     const MOST_SAMPLES: usize = 1 << 20;
+    let WithinRecord {
+        depth,
+        component,
+        regularisation,
+    } = record;
     ParameterError::check("depth", depth, f64::MIN_POSITIVE, 1e9)?;
     ParameterError::check("regularisation", regularisation, 1e-3, 0.5)?;
     let transfer = Transfer::new(reflection, depth, component)?;

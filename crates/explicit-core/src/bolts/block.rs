@@ -144,12 +144,8 @@ impl BoltBlock {
 
     /// A history field with `points` values per segment.
     fn field(&self, name: &str, points: usize, values: Vec<f64>) -> HistoryField {
-        HistoryField {
-            name: format!("{}/{name}", self.name),
-            elements: (0..self.segment_count() as u32).collect(),
-            points,
-            values,
-        }
+        let segments = (0..self.segment_count() as u32).collect();
+        HistoryField::new(format!("{}/{name}", self.name), segments, points, values)
     }
 
     /// The values of a history field of these bolts in an earlier state, if there are any.

@@ -121,10 +121,7 @@ impl MidStep<'_> {
                 self.prescribed_impulse(g) / self.step
             };
         }
-        let damping = match self.rule {
-            MassDampingRule::Implicit => mean * mass_damping,
-            MassDampingRule::Lagged => before * mass_damping,
-        };
+        let damping = self.rule.damped_velocity(before, mean) * mass_damping;
         for (half, velocity) in halves.iter_mut().zip([before, after]) {
             let along = velocity * (0.5 * self.step);
             half.dashpots += dashpot.dot(&along);
@@ -163,13 +160,8 @@ impl MidStep<'_> {
     fn plain_damping(&self) -> [f64; 2] {
         let [_, before, across, after, _] = self.plain_products();
         let half = 0.5 * self.step;
-        match self.rule {
-            MassDampingRule::Implicit => [
-                half * 0.5 * (before + across),
-                half * 0.5 * (across + after),
-            ],
-            MassDampingRule::Lagged => [half * before, half * across],
-        }
+        let damped = |old: f64, new: f64| self.rule.damped_velocity(old, 0.5 * (old + new));
+        [half * damped(before, across), half * damped(across, after)]
     }
 
     fn plain_products(&self) -> [f64; 5] {

@@ -164,10 +164,7 @@ impl Model {
         for (node, mass) in self.mass.iter().enumerate() {
             let grouped = self.groups.if_kicked(self.group_of[node]).is_some();
             let damping = self.mass_damping.get(node).copied().unwrap_or(0.0) * step;
-            let (effective, old) = match rule {
-                MassDampingRule::Implicit => (mass + 0.5 * damping, mass - 0.5 * damping),
-                MassDampingRule::Lagged => (*mass, mass - damping),
-            };
+            let (effective, old) = rule.effective_mass(*mass, damping);
             // Nodes without mass are not moved; nodes of groups are updated apart from this pass.
             let moves = !grouped && effective > 0.0;
             gain.push(if moves { step / effective } else { 0.0 });

@@ -226,24 +226,23 @@ impl Model {
         if carried.iter().any(|force| *force != Vec3::zeros()) {
             forces = engines().map(|engine| carried[engine]).collect();
         }
-        State {
-            time: self.time,
-            step: self.number,
-            displacement: engines()
-                .map(|engine| self.displacement_of(engine))
-                .collect(),
-            velocity: engines().map(|engine| self.velocity_of(engine)).collect(),
-            stage_start: self.stage_start.clone(),
-            initial_stress: self.initial_stress.clone(),
-            absent: self.absent.clone(),
-            casts: self.casts.clone(),
-            carried_forces: forces,
-            history: merged(self.blocks.iter().map(|b| (b.label(), b.history()))),
-            joints: self
-                .joints()
-                .map(|joint| JointHistory::from(&joint))
-                .collect(),
-        }
+        let mut state = State::default();
+        (state.time, state.step) = (self.time, self.number);
+        state.displacement = engines()
+            .map(|engine| self.displacement_of(engine))
+            .collect();
+        state.velocity = engines().map(|engine| self.velocity_of(engine)).collect();
+        state.stage_start.clone_from(&self.stage_start);
+        state.initial_stress.clone_from(&self.initial_stress);
+        state.absent.clone_from(&self.absent);
+        state.casts.clone_from(&self.casts);
+        state.carried_forces = forces;
+        state.history = merged(self.blocks.iter().map(|b| (b.label(), b.history())));
+        state.joints = self
+            .joints()
+            .map(|joint| JointHistory::from(&joint))
+            .collect();
+        state
     }
 
     /// Sets the state of the body. A run continued from the state of another one is bitwise equal to one that was
@@ -422,12 +421,7 @@ fn own_fields(
 ) -> Vec<HistoryField> {
     let mut own = Vec::new();
     for (field, indices) in fields.iter().zip(indices) {
-        let mut part = HistoryField {
-            name: field.name.clone(),
-            elements: Vec::new(),
-            points: field.points,
-            values: Vec::new(),
-        };
+        let mut part = HistoryField::new(field.name.as_str(), Vec::new(), field.points, Vec::new());
         for &element in elements {
             let index = indices.get(element as usize).copied().flatten();
             let values = index.and_then(|index| {

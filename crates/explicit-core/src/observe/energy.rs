@@ -37,10 +37,7 @@ impl Observer for EnergyHistory {
         "energy history"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            energy: true,
-            ..Fields::default()
-        }
+        Fields::default().with_energy(true)
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -181,11 +181,9 @@ impl Observer for Envelope {
         "envelope"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            acceleration: self.motion.acceleration && !self.node_tags.is_empty(),
-            stress: !self.element_tags.is_empty(),
-            ..Fields::default()
-        }
+        Fields::default()
+            .with_acceleration(self.motion.acceleration && !self.node_tags.is_empty())
+            .with_stress(!self.element_tags.is_empty())
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -288,11 +288,10 @@ impl Observer for History {
         "history"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            acceleration: self.channels.iter().any(|c| c.motion().acceleration),
-            stress: (self.channels.iter()).any(|c| matches!(c, Channel::Stress { .. })),
-            ..Fields::default()
-        }
+        let channels = || self.channels.iter();
+        Fields::default()
+            .with_acceleration(channels().any(|c| c.motion().acceleration))
+            .with_stress(channels().any(|c| matches!(c, Channel::Stress { .. })))
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -58,10 +58,5 @@ use powerhouse_model::{Cadence, ParameterError};
 
 /// Accepts a cadence of at least one step, or of a positive time.
 fn check_cadence(cadence: Cadence) -> Result<(), ParameterError> {
-    match cadence {
-        Cadence::Steps(steps) => ParameterError::check("cadence", steps as f64, 1.0, f64::MAX),
-        Cadence::Seconds(time) => {
-            ParameterError::check("cadence", time, f64::MIN_POSITIVE, f64::MAX)
-        }
-    }
+    cadence.check()
 }

@@ -153,11 +153,9 @@ impl Observer for Snapshots {
         "snapshots"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            acceleration: self.fields.motion.acceleration,
-            stress: self.fields.stress,
-            ..Fields::default()
-        }
+        Fields::default()
+            .with_acceleration(self.fields.motion.acceleration)
+            .with_stress(self.fields.stress)
     }
     fn cadence(&self) -> Cadence {
         self.cadence

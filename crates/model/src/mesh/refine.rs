@@ -79,7 +79,7 @@ impl Mesh {
             .ok_or(MeshError::Numbers { what: "node" })?;
         fine.node_tags
             .extend((greatest..last).map(|number| number + 1));
-        self.refine_sets(&mut fine, (&subdivisions, &firsts, &new))?;
+        self.refine_sets(&mut fine, &subdivisions, &firsts, &new)?;
         fine.positions.append(&mut new.positions);
         Ok(fine)
     }
@@ -120,7 +120,9 @@ impl Mesh {
     fn refine_sets(
         &self,
         fine: &mut Self,
-        (subdivisions, firsts, new): (&Subdivisions, &[u32], &NewNodes),
+        subdivisions: &Subdivisions,
+        firsts: &[u32],
+        new: &NewNodes,
     ) -> Result<(), MeshError> {
         for (name, elements) in &self.element_sets {
             let parts = |&element: &u32| firsts[element as usize]..firsts[element as usize + 1];

@@ -10,8 +10,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::preset::Preset;
-use super::{KeysError, elastic_medium, missing, placed, refused};
-use crate::format::{NonNegative, PoissonRatio, Positive, Share};
+use super::{ElasticKeys, KeysError, elastic_medium, missing, placed, refused};
+use crate::format::{NonNegative, Positive, Share};
 use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {
@@ -174,7 +174,11 @@ macro_rules! frictional_keys {
             ) -> Result<$crate::builtin_laws::frictional::Frictional, powerhouse_model::ModelError> {
                 $crate::builtin_laws::frictional::FrictionalKeys {
                     preset: self.preset,
-                    elastic: (self.young, self.poisson, self.density),
+                    elastic: $crate::builtin_laws::ElasticKeys {
+                        young: self.young,
+                        poisson: self.poisson,
+                        density: self.density,
+                    },
                     angles: [self.friction, self.dilation],
                     cohesion: self.cohesion,
                     tensile_strength: self.tensile_strength,
@@ -191,7 +195,7 @@ pub(super) use frictional_keys;
 pub(super) struct FrictionalKeys {
     pub(super) preset: Option<Preset>,
     /// Young's modulus, Poisson's ratio, density.
-    pub(super) elastic: (Option<Positive>, Option<PoissonRatio>, Option<Positive>),
+    pub(super) elastic: ElasticKeys,
     /// Friction and dilation angles (degrees).
     pub(super) angles: [Option<NonNegative>; 2],
     pub(super) cohesion: Option<NonNegative>,

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::preset::Preset;
-use super::{RESIDUAL_STIFFNESS, elastic_medium, missing, placed};
+use super::{ElasticKeys, RESIDUAL_STIFFNESS, elastic_medium, missing, placed};
 use crate::format::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
 
@@ -67,7 +67,11 @@ impl LeeFenvesKeys {
     fn build(self) -> Result<Material, ModelError> {
         let preset = self.preset.map(Preset::lee_fenves).transpose()?;
         let of_preset = |of: fn(&LeeFenvesParameters) -> f64| preset.as_ref().map(of);
-        let elastic = (self.young, self.poisson, self.density);
+        let elastic = ElasticKeys {
+            young: self.young,
+            poisson: self.poisson,
+            density: self.density,
+        };
         let medium = elastic_medium(elastic, preset.map(|preset| preset.medium))?;
         let strength = |own: Option<Positive>, of, key| {
             let own = own.map(Positive::get);

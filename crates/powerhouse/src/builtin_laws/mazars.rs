@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::preset::Preset;
-use super::{KeysError, RESIDUAL_STIFFNESS, elastic_medium, missing, placed, refused};
+use super::{ElasticKeys, KeysError, RESIDUAL_STIFFNESS, elastic_medium, missing, placed, refused};
 use crate::format::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
 
@@ -81,7 +81,11 @@ impl MazarsKeys {
         let given = |own: Option<f64>, of: fn(&MazarsParameters) -> f64, key| {
             own.or(preset.as_ref().map(of)).ok_or(missing(key))
         };
-        let elastic = (self.young, self.poisson, self.density);
+        let elastic = ElasticKeys {
+            young: self.young,
+            poisson: self.poisson,
+            density: self.density,
+        };
         let medium = elastic_medium(elastic, preset.as_ref().map(|preset| preset.medium))?;
         let tension = match self.tension {
             Some(MazarsTensionKeys {

@@ -72,17 +72,31 @@ fn placed(error: MaterialError) -> ModelError {
     }
 }
 
+/// The elastic keys of a material, as far as they are given.
+#[derive(Clone, Copy)]
+struct ElasticKeys {
+    /// Young's modulus (Pa).
+    young: Option<Positive>,
+    poisson: Option<PoissonRatio>,
+    /// Mass density (kg/m3).
+    density: Option<Positive>,
+}
+
 /// Elastic medium of the given keys, completed by those of a preset.
 fn elastic_medium(
-    (young, poisson, density): (Option<Positive>, Option<PoissonRatio>, Option<Positive>),
+    keys: ElasticKeys,
     preset: Option<ElasticMedium>,
 ) -> Result<ElasticMedium, ModelError> {
     let given = |own: Option<f64>, of: fn(&ElasticMedium) -> f64, key| {
         own.or(preset.as_ref().map(of)).ok_or(missing(key))
     };
     Ok(ElasticMedium::new(
-        given(young.map(Positive::get), |m| m.young, "young")?,
-        given(poisson.map(PoissonRatio::get), |m| m.poisson, "poisson")?,
-        given(density.map(Positive::get), |m| m.density, "density")?,
+        given(keys.young.map(Positive::get), |m| m.young, "young")?,
+        given(
+            keys.poisson.map(PoissonRatio::get),
+            |m| m.poisson,
+            "poisson",
+        )?,
+        given(keys.density.map(Positive::get), |m| m.density, "density")?,
     )?)
 }

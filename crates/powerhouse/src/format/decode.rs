@@ -43,7 +43,7 @@ const JOINT: (&str, &[&str]) = (
         "unbonded",
     ],
 );
-const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer", "region"]);
+const BOUNDARY: (&str, &[&str]) = ("boundary", &crate::keys::BOUNDARY);
 
 /// Reads a scene from text.
 ///

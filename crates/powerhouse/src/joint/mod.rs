@@ -53,8 +53,8 @@ pub enum InitialGap {
 /// // Pressed together by 0.2 MPa, and cracked already where x < 1 m.
 /// let cracked = JointZone::Box { low: Vec3::zeros(), high: Vec3::new(1.0, 4.0, 2.0) };
 /// let joint = SceneJoint::new("bedding", surface, law)
-///     .preload(Preload::Pressure(0.2e6))
-///     .unbonded(cracked);
+///     .with_preload(Preload::Pressure(0.2e6))
+///     .with_unbonded(cracked);
 /// # assert_eq!(joint.surface.pairs.len(), 25);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -92,19 +92,19 @@ impl SceneJoint {
     /// Sets the traction in the static state from which displacements count. The traction by motion adds to
     /// it.
     #[must_use]
-    pub fn preload(mut self, preload: Preload) -> Self {
+    pub fn with_preload(mut self, preload: Preload) -> Self {
         self.preload = Some(preload);
         self
     }
     /// Sets the initial gap. A pair with a gap has neither bond nor preload.
     #[must_use]
-    pub fn gap(mut self, gap: InitialGap) -> Self {
+    pub fn with_gap(mut self, gap: InitialGap) -> Self {
         self.gap = gap;
         self
     }
     /// Adds a zone without a bond at the start, as where a joint was cracked before.
     #[must_use]
-    pub fn unbonded(mut self, zone: JointZone) -> Self {
+    pub fn with_unbonded(mut self, zone: JointZone) -> Self {
         self.unbonded.push(zone);
         self
     }

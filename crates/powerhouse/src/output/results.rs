@@ -1,4 +1,4 @@
-//! Results of a run.
+//! Recorded output of a run.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -28,52 +28,53 @@ const INPUTS: [&str; 2] = ["loads", "prescribed motion"];
 pub struct EnergyResidual {
     /// Residual at the end of the run (J).
     pub energy: f64,
-    /// Magnitude of the residual over the input work; `None` without input work.
+    /// Its absolute value over the external work; none without external work.
     pub share_of_input: Option<f64>,
-    /// Largest relative residual of the run: over the largest energy stored or put in until then.
+    /// Largest residual of the run, over the largest energy held or put in until then.
     pub largest: f64,
 }
 
-/// What a run has given.
+/// Recorded output and reports of a run.
 #[derive(Clone)]
+#[non_exhaustive]
 pub struct Results {
-    /// Report of the run: number of steps, time step, end state.
+    /// Report of the engine: number and length of steps, how the run ended, energy residual.
     pub run: RunReport,
-    /// Wall-clock time of the run.
+    /// Wall time of the run, construction stages included.
     pub wall_time: Duration,
-    /// Histories and relative displacements against time.
+    /// Motions, stresses, history variables and relative displacements against time.
     pub histories: HistoryTable,
     /// Section forces against time.
     pub sections: HistoryTable,
-    /// Geometry of the sections.
+    /// Geometry of the sections: area, centroid, axes.
     pub section_geometry: Vec<SectionGeometry>,
-    /// Energy balance against time, one column per term (J).
+    /// Columns of the energy ledger against time.
     pub energies: HistoryTable,
-    /// Envelopes of motion and stress.
+    /// Envelopes (greatest values over the run) of motions and principal stresses.
     pub envelope: Option<EnvelopeTable>,
-    /// Envelopes of the history variables of laws; `None` if no law has any.
+    /// Envelopes of the laws' history variables; none if no law has any.
     pub state: Option<StateTable>,
     /// Joint histories: shares of area, greatest slips and openings, tractions and energies against time.
     pub joint_histories: HistoryTable,
     /// Final contact state and peak values of each joint, and of the requested zones of joints.
     pub joint_outcomes: Vec<JointOutcome>,
-    /// Node pairs of each joint with their contact state at the end and their peak values.
+    /// Node pairs of each joint with their final states and peak values.
     pub joints: Vec<JointTable>,
     /// Surfaces of the joints, in the same order.
     pub joint_surfaces: Vec<JointSurface>,
-    /// Activity of every element of the mesh in the run; `None` if all are active.
+    /// Which elements of the mesh are present in the motion, one flag per element; none if all are.
     pub present: Option<Vec<bool>>,
-    /// Number of written snapshots.
+    /// Number of snapshots that were written.
     pub snapshots: u64,
-    /// Reports of the construction stages.
+    /// Reports of the construction stages before the run.
     pub stages: Vec<StageReport>,
-    /// Whether the scene has an in-situ stress.
+    /// Whether an in-situ stress was given before the first stage.
     pub in_situ_stress: bool,
-    /// Report of the transfer from the stages to the run (carried forces), if there are stages.
+    /// Report of the hand-over from stages to the motion: reactions and residual forces that are carried on.
     pub hand_over: Option<HandOverReport>,
     /// Axial forces of bolts at the end, and their greatest values over the run.
     pub bolts: Vec<BoltForces>,
-    /// Greatest axial force of each bolt group against time, from the end of the stages on: column `NAME.greatest`.
+    /// Greatest axial force of each set of bolts against time, first in static equilibrium: `NAME.greatest`.
     pub bolt_histories: HistoryTable,
 }
 
@@ -88,13 +89,12 @@ impl fmt::Debug for Results {
 }
 
 impl Results {
-    /// Largest unbalanced force over the load at the start of the first stage with an in-situ stress, without a
-    /// warning.
+    /// Largest unbalanced share of the load of the first stage under a given in-situ stress without a warning.
     pub const BALANCED: f64 = 0.05;
-    /// Largest slip or opening over the shortest facet edge that counts as small.
+    /// Largest slip or opening over the shortest edge that counts as small.
     pub const SMALL_SLIP: f64 = 0.1;
 
-    /// Energy terms at the end (J) that were ever nonzero, without the residual.
+    /// Names and final values (J) of the energies that were ever other than zero, the residual left out.
     pub fn energy_terms(&self) -> Vec<(&str, f64)> {
         let columns = self.energies.columns.iter();
         columns
@@ -113,8 +113,8 @@ impl Results {
             largest: self.run.energy_residual,
         })
     }
-    /// Name of each joint with its largest slip or opening over the shortest edge of its facets. Node pairs are fixed,
-    /// so that results are inaccurate above [`Results::SMALL_SLIP`].
+    /// Name of each joint and its largest slip or opening over the shortest edge of its facets.
+    /// Pairs keep their nodes, so that a share above some [`Results::SMALL_SLIP`] is no longer small.
     pub fn slip_shares(&self, mesh: &Mesh) -> Vec<(&str, f64)> {
         let largest = |table: &JointTable| {
             let of = |record: &JointRecord| record.state.slip.max(record.peak_opening);
@@ -128,7 +128,8 @@ impl Results {
             .map(|joint| (joint.0.name.as_str(), share(joint)))
             .collect()
     }
-    /// Warnings about the results: large slip, hourglass work, unbalanced in-situ stress, too long sampling intervals.
+    /// Warnings about the results: large slips, large hourglass energy, unbalanced in-situ stress, coarse
+    /// sampling.
     pub fn doubts(&self, mesh: &Mesh) -> Vec<Remark> {
         let shares = self.slip_shares(mesh).into_iter();
         let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
@@ -173,7 +174,7 @@ impl Results {
             node,
         })
     }
-    /// Peaks of all histories, section forces and envelopes.
+    /// Table of the greatest values of all histories, section forces, joints and envelopes.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
         let mut peaks = PeakTable::default();
         peaks.add_history(&self.histories);
@@ -208,6 +209,16 @@ pub(crate) struct Recordings {
     present: Option<Vec<bool>>,
 }
 
+/// Reports of a run beside its recordings.
+pub(crate) struct FinishedRun {
+    pub(crate) run: RunReport,
+    pub(crate) wall_time: Duration,
+    /// Number of snapshots that the run's sink took.
+    pub(crate) snapshots: u64,
+    /// Bolts with their forces at the end.
+    pub(crate) bolts: Vec<BoltForces>,
+}
+
 impl Recordings {
     /// Recordings and observers of an output plan for the active elements of a body (`None`: all).
     pub(crate) fn observe(
@@ -238,14 +249,14 @@ impl Recordings {
         }
         if !plan.cuts.is_empty() {
             let mut forces = SectionForces::new(Cadence::Seconds(plan.every)).map_err(model)?;
-            for wish in &plan.cuts {
+            for request in &plan.cuts {
                 let is_there = |e: &u32| present.is_none_or(|present| present[*e as usize]);
-                let set = mesh.element_set(&wish.set)?.iter().copied();
+                let set = mesh.element_set(&request.set)?.iter().copied();
                 let elements: Vec<u32> = set.filter(is_there).collect();
                 forces
-                    .add_section(mesh, &wish.cut, &elements)
+                    .add_section(mesh, &request.cut, &elements)
                     .map_err(model)?;
-                remarks.extend(through_tetrahedra(mesh, wish, &elements));
+                remarks.extend(through_tetrahedra(mesh, request, &elements));
             }
             recordings.section_geometry = forces.geometries().cloned().collect();
             recordings.sections = Some(forces.recording());
@@ -256,19 +267,19 @@ impl Recordings {
             recordings.energies = Some(energies.recording());
             observers.push(Box::new(energies));
         }
-        if let Some(wish) = &plan.envelope {
+        if let Some(request) = &plan.envelope {
             let mut elements = Vec::new();
-            if wish.sets.is_empty() {
+            if request.sets.is_empty() {
                 elements.extend(0..mesh.element_count() as u32);
             }
-            for set in &wish.sets {
+            for set in &request.sets {
                 elements.extend_from_slice(mesh.element_set(set)?);
             }
             let nodes = mesh.nodes_of_elements(&elements);
-            let stressed: &[u32] = if wish.stress { &elements } else { &[] };
-            let cadence = Cadence::Seconds(wish.every);
+            let stressed: &[u32] = if request.stress { &elements } else { &[] };
+            let cadence = Cadence::Seconds(request.every);
             let envelope =
-                Envelope::new(mesh, &nodes, wish.motion, stressed, cadence).map_err(model)?;
+                Envelope::new(mesh, &nodes, request.motion, stressed, cadence).map_err(model)?;
             recordings.envelope = Some(envelope.recording());
             observers.push(Box::new(envelope));
         }
@@ -279,7 +290,7 @@ impl Recordings {
         Ok((recordings, observers))
     }
 
-    /// Adds observers of joints, whose surfaces are given by name.
+    /// Adds an observer of joints, whose sides are given by name.
     pub(crate) fn watch_joints(
         &mut self,
         plan: &OutputPlan,
@@ -288,8 +299,8 @@ impl Recordings {
         observers: &mut Vec<Box<dyn Observer>>,
     ) -> Result<(), Error> {
         let mut watches: Vec<JointWatch> = surfaces.iter().map(whole).collect();
-        for wish in &plan.joints {
-            watches.push(wish.watch(mesh, &surfaces)?);
+        for request in &plan.joints {
+            watches.push(request.watch(mesh, &surfaces)?);
         }
         if !watches.is_empty() {
             let joints = JointHistories::new(Cadence::Seconds(plan.every), watches);
@@ -301,7 +312,7 @@ impl Recordings {
         Ok(())
     }
 
-    /// Adds the observer of bolt forces.
+    /// Adds an observer of bolt forces.
     pub(crate) fn watch_bolts<'b>(
         &mut self,
         plan: &OutputPlan,
@@ -323,17 +334,19 @@ impl Recordings {
         &self.joint_surfaces
     }
 
-    /// Activity of every element; `None` if all are active.
+    /// Which elements are present; none if all are.
     pub(crate) fn present(&self) -> Option<&[bool]> {
         self.present.as_deref()
     }
 
-    /// All that was recorded; bolts come with their forces at the end.
-    pub(crate) fn finish(
-        self,
-        (run, wall_time, snapshots): (RunReport, Duration, u64),
-        mut bolts: Vec<BoltForces>,
-    ) -> Results {
+    /// The results of a run that is over.
+    pub(crate) fn finish(self, finished: FinishedRun) -> Results {
+        let FinishedRun {
+            run,
+            wall_time,
+            snapshots,
+            mut bolts,
+        } = finished;
         let table = |recording: Option<Recording<HistoryTable>>| {
             recording.map(|r| r.copy()).unwrap_or_default()
         };
@@ -405,7 +418,7 @@ fn keep_worst(doubts: &mut Vec<Remark>, doubt: Remark) {
     }
 }
 
-/// Joint quantities that are recorded in any case.
+/// Request for every joint as a whole.
 fn whole((name, surface): &NamedSurface) -> JointWatch {
     JointWatch {
         name: name.clone(),
@@ -420,7 +433,7 @@ fn whole((name, surface): &NamedSurface) -> JointWatch {
 }
 
 impl JointRequest {
-    /// Node pairs of the request.
+    /// The pairs that are requested.
     fn watch(&self, mesh: &Mesh, surfaces: &[NamedSurface]) -> Result<JointWatch, Error> {
         let of_name = surfaces.iter().find(|(name, _)| *name == self.joint);
         let Some((joint, surface)) = of_name else {
@@ -437,7 +450,7 @@ impl JointRequest {
     }
 }
 
-/// Observer of the histories of a plan, and warnings about requests without effect.
+/// Histories of a plan, and warnings of requests that record nothing.
 fn histories(
     plan: &OutputPlan,
     mesh: &Mesh,
@@ -448,20 +461,20 @@ fn histories(
     if let Some(present) = present {
         builder = builder.among(present);
     }
-    for wish in &plan.histories {
-        if wish.motion != Motion::default() {
-            builder = builder.motion(&wish.name, wish.place.clone(), wish.motion);
+    for request in &plan.histories {
+        if request.motion != Motion::default() {
+            builder = builder.motion(&request.name, request.place.clone(), request.motion);
         }
     }
-    for wish in &plan.stresses {
-        builder = builder.stress(&wish.name, wish.place.clone());
+    for request in &plan.stresses {
+        builder = builder.stress(&request.name, request.place.clone());
     }
-    for wish in &plan.state.places {
-        builder = builder.state(&wish.name, wish.place.clone());
+    for request in &plan.state.places {
+        builder = builder.state(&request.name, request.place.clone());
     }
-    for wish in &plan.relative {
-        let (from, at) = (wish.from.clone(), wish.at.clone());
-        builder = builder.relative(&wish.name, from, at, Motion::DISPLACEMENT);
+    for request in &plan.relative {
+        let (from, at) = (request.from.clone(), request.at.clone());
+        builder = builder.relative(&request.name, from, at, Motion::DISPLACEMENT);
     }
     // In the order of the requests.
     let asked = RefCell::new(Vec::new());
@@ -472,21 +485,21 @@ fn histories(
     let history = builder.build_with(mesh, variables).map_err(model)?;
     let places = plan.state.places.iter().zip(asked.into_inner());
     let in_vain = places.filter(|(_, element)| state_variables.of_element(*element).is_empty());
-    let remarks = in_vain.map(|(wish, element)| Remark::NoState {
-        name: wish.name.clone(),
+    let remarks = in_vain.map(|(request, element)| Remark::NoState {
+        name: request.name.clone(),
         element: mesh.element_tags()[element as usize],
     });
     Ok((history, remarks.collect()))
 }
 
 /// Warning about a section through linear tetrahedra.
-fn through_tetrahedra(mesh: &Mesh, wish: &SectionRequest, elements: &[u32]) -> Option<Remark> {
+fn through_tetrahedra(mesh: &Mesh, request: &SectionRequest, elements: &[u32]) -> Option<Remark> {
     let CrossSection {
         point,
         normal,
         within,
         ..
-    } = &wish.cut;
+    } = &request.cut;
     let beyond = |&node: &u32| (mesh.positions()[node as usize] - point).dot(normal);
     let counts = |element: u32| {
         let centre = mesh.centroid(element);
@@ -505,8 +518,8 @@ fn through_tetrahedra(mesh: &Mesh, wish: &SectionRequest, elements: &[u32]) -> O
     let tetrahedra = cut.iter().filter(|e| mesh.kind(***e) == ElementKind::Tet4);
     let tetrahedra = tetrahedra.count();
     (tetrahedra > 0).then(|| Remark::TetrahedralSection {
-        section: wish.cut.name.clone(),
-        set: wish.set.clone(),
+        section: request.cut.name.clone(),
+        set: request.set.clone(),
         elements: tetrahedra,
         of: cut.len(),
     })

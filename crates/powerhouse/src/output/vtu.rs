@@ -140,12 +140,23 @@ struct PeakOverMesh {
     times: Vec<f64>,
 }
 
+/// Peaks with their name and unit in files.
+struct NamedPeaks<'a> {
+    name: &'static str,
+    unit: &'static str,
+    field: &'a PeakField,
+}
+
+impl<'a> NamedPeaks<'a> {
+    fn new(name: &'static str, unit: &'static str, field: &'a PeakField) -> Self {
+        Self { name, unit, field }
+    }
+}
+
 impl PeakOverMesh {
-    fn new(
-        (name, unit, field): (&'static str, &'static str, &PeakField),
-        indices: &[u32],
-        count: usize,
-    ) -> Option<Self> {
+    /// The peaks of nodes or elements (mesh indices) among so many; none if nothing was tracked.
+    fn new(peaks: NamedPeaks, indices: &[u32], count: usize) -> Option<Self> {
+        let NamedPeaks { name, unit, field } = peaks;
         let spread = |values: &[f64]| {
             let mut all = vec![0.0; count];
             for (&index, &value) in indices.iter().zip(values) {
@@ -176,13 +187,13 @@ impl EnvelopeFields {
     pub(super) fn new(envelope: &EnvelopeTable, mesh: &Mesh) -> Self {
         let [displacement, velocity, acceleration, greatest, least] = ENVELOPES;
         let nodal = [
-            (displacement, "m", &envelope.displacement),
-            (velocity, "m/s", &envelope.velocity),
-            (acceleration, "m/s2", &envelope.acceleration),
+            NamedPeaks::new(displacement, "m", &envelope.displacement),
+            NamedPeaks::new(velocity, "m/s", &envelope.velocity),
+            NamedPeaks::new(acceleration, "m/s2", &envelope.acceleration),
         ];
         let elemental = [
-            (greatest, "Pa", &envelope.greatest_stress),
-            (least, "Pa", &envelope.least_stress),
+            NamedPeaks::new(greatest, "Pa", &envelope.greatest_stress),
+            NamedPeaks::new(least, "Pa", &envelope.least_stress),
         ];
         let (nodes, elements) = (&envelope.nodes, &envelope.elements);
         let of_nodes = |field| PeakOverMesh::new(field, nodes, mesh.node_count());
@@ -203,7 +214,8 @@ impl EnvelopeFields {
             .iter()
             .filter(some)
             .filter_map(|(variable, field)| {
-                PeakOverMesh::new((variable.name, variable.unit, field), elements, count)
+                let peaks = NamedPeaks::new(variable.name, variable.unit, field);
+                PeakOverMesh::new(peaks, elements, count)
             });
         let flags = state.flags.iter().map(|(variable, values)| {
             let mut all = vec![0.0; count];

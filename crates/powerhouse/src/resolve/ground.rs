@@ -101,7 +101,7 @@ pub(super) fn field(
                 .extend(cut_short(name, record, arrival, &scene));
         }
     }
-    let driven = scene.plane_waves(waves);
+    let driven = scene.with_plane_waves(waves);
     driven.map_err(|error| Fault::refused(first.incidence.span(), error))
 }
 

@@ -241,15 +241,15 @@ fn parts(
             let material = named("material", &table.material, materials)?;
             let mut part = Part::new(table.set.to_string(), material.clone());
             if let Some(kernel) = &table.kernel {
-                part = part.kernel(registry.kernel(kernel)?.clone());
+                part = part.with_kernel(registry.kernel(kernel)?.clone());
             }
             if let Some(damping) = &table.damping {
-                part = part.damping(damping::damping(damping)?);
+                part = part.with_damping(damping::damping(damping)?);
                 let moving = part.moving_material();
                 moving.map_err(|error| Fault::refused(damping.span(), error))?;
             }
             if let Some(rim) = &table.rim {
-                part = part.rim(rim.get());
+                part = part.with_rim(rim.get());
             }
             Ok(part)
         })

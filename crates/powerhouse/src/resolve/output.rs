@@ -95,24 +95,23 @@ pub(super) fn plan(
         if quantities.contains(&Quantity::State) {
             plan.state.every = Some(envelope.every.as_ref().map_or(plan.every, |e| e.get()));
         }
-        plan.envelope = Some(EnvelopeRequest {
-            motion: motion(&quantities),
-            stress: quantities.contains(&Quantity::Stress),
-            sets,
-            every: envelope.every.as_ref().map_or(plan.every, |e| e.get()),
-        });
+        plan.envelope = Some(
+            EnvelopeRequest::new(envelope.every.as_ref().map_or(plan.every, |e| e.get()))
+                .with_motion(motion(&quantities))
+                .with_stress(quantities.contains(&Quantity::Stress))
+                .with_sets(sets),
+        );
     }
     if let Some(snapshots) = &output.snapshots {
         let default = [Quantity::Displacement, Quantity::Velocity];
         let quantities = quantities(&snapshots.quantities, &default)?;
         plan.state.snapshots = quantities.contains(&Quantity::State);
-        plan.snapshots = Some(SnapshotRequest {
-            fields: SnapshotFields {
+        plan.snapshots = Some(SnapshotRequest::new(snapshots.every.get()).with_fields(
+            SnapshotFields {
                 motion: motion(&quantities),
                 stress: quantities.contains(&Quantity::Stress),
             },
-            every: snapshots.every.get(),
-        });
+        ));
     }
     Ok(plan)
 }

@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::Scene;
+use super::{InputOverview, Scene};
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::format::{Allowance, Case, SceneFile};
 use crate::output::{NamedThing, check_names};
 use crate::{Error, Registry, SceneDoubt, format, resolve};
 
 impl Scene {
-    /// Reads a scene file, its mesh and its records, with the built-in laws, kernels and boundaries.
+    /// Scene of a file, with its mesh and its records; laws, kernels and boundaries are those that come with
+    /// the software.
     ///
     /// # Errors
     /// [`Error::Scene`] with file, line and column for a fault in the scene, [`Error::Read`] if the file cannot be
@@ -18,7 +19,7 @@ impl Scene {
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         Self::from_file_with(path, &Registry::default())
     }
-    /// Reads a scene file with the laws, kernels and boundaries of a registry.
+    /// Scene of a file whose laws, kernels and boundaries are those of a registry.
     ///
     /// # Errors
     /// As [`from_file`](Self::from_file).
@@ -26,7 +27,7 @@ impl Scene {
         let path = path.as_ref();
         Self::from_toml(read_text(path)?, path, registry)
     }
-    /// Reads a case of a scene file: the scene with the changes of the case.
+    /// Scene of a case of a file: the scene with the keys that the case changes.
     ///
     /// # Errors
     /// As [`from_file`](Self::from_file), and [`Error::NoSuchCase`].
@@ -38,7 +39,7 @@ impl Scene {
         let path = path.as_ref();
         Self::compose(read_text(path)?, path.into(), Some(case), registry)
     }
-    /// Reads a scene from text. `path` is used in messages; paths in the scene are relative to its folder.
+    /// Scene of a text in TOML. `path` is used in messages; paths in the scene are relative to its folder.
     ///
     /// # Errors
     /// [`Error::Scene`], as [`from_file`](Self::from_file).
@@ -88,11 +89,13 @@ impl Scene {
         let found = scene.check_magnitudes().and_then(|()| scene.check_names());
         found.map_err(|error| scene.places.put(&source, error))?;
         scene.check_threads();
+        scene.input = InputOverview::of(&file, case);
         scene.directory = file.output.directory;
         scene.cases = cases;
         let on_request = file.cases.iter().filter(|case| case.on_request);
         scene.cases_on_request = on_request.map(|case| case.name.to_string()).collect();
         scene.case = case.map(str::to_owned);
+        scene.registry = Some(registry.clone());
         scene.source = Some(text);
         Ok(scene)
     }

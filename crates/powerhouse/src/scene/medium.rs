@@ -1,4 +1,4 @@
-//! Parts of elements, and media along the absorbing faces.
+//! Parts and media of elements and of absorbing faces.
 
 use powerhouse_model::{ElasticMedium, Facet, MeshError, Vec3};
 
@@ -6,7 +6,8 @@ use super::Scene;
 use crate::Error;
 
 impl Scene {
-    /// Index of the part of each element; `None` for bars without part, which are left out of the model.
+    /// Index of the part of each element; bars may belong to none and are then left
+    /// out of the model.
     ///
     /// # Errors
     /// Set that does not exist; solid without part, or element of several parts.
@@ -31,7 +32,7 @@ impl Scene {
         }
     }
 
-    /// Facets of the absorbing faces, by face.
+    /// Names and facets of the absorbing faces.
     ///
     /// # Errors
     /// A set that does not exist.
@@ -58,7 +59,7 @@ impl Scene {
         Ok(behind)
     }
 
-    /// Different elastic media along the absorbing faces; a free field needs exactly one.
+    /// Different media behind the absorbing faces; a free field needs a single one.
     ///
     /// # Errors
     /// As [`parts_behind_boundary`](Self::parts_behind_boundary).
@@ -73,7 +74,8 @@ impl Scene {
         Ok(media)
     }
 
-    /// Parts along the absorbing faces with the faces of each, by medium, as text: `'rock' (left, right), 'soil' (left)`.
+    /// Text that names the parts behind the absorbing faces with the faces before each, medium by medium: as in
+    /// `'rock' (left, right), 'soil' (left)`.
     ///
     /// # Errors
     /// As [`parts_behind_boundary`](Self::parts_behind_boundary).
@@ -100,8 +102,8 @@ impl Scene {
         Ok(told.join(", "))
     }
 
-    /// Centre of the structure as the source of scattered waves (m): as given, or the centre of the bounding box of
-    /// the parts that touch no absorbing face, or of the mesh if all do.
+    /// Centre of the scatterer (m), from which springs take their distance: as given, or the middle of the box around the parts that
+    /// touch no absorbing face, or around the mesh if all do.
     ///
     /// # Errors
     /// As [`parts_behind_boundary`](Self::parts_behind_boundary).

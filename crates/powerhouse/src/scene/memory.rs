@@ -5,19 +5,19 @@ use powerhouse_model::HistoryVariable;
 use super::Scene;
 use crate::Error;
 
-/// Numbers of history variables of the laws of a scene.
+/// Number of stored history variables (internal state variables) of the laws of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LawMemory {
-    /// Total number of history variables at all integration points (one copy).
+    /// Stored numbers at all integration points together, one state counted.
     pub numbers: usize,
-    /// Number of elements whose law has history variables for output.
+    /// Number of elements whose law has history variables in the output.
     pub elements: usize,
-    /// Number of different history variables for output: all except those of relaxation mechanisms.
+    /// History variables in the output, each name once; those of relaxation mechanisms are left out.
     pub variables: Vec<HistoryVariable>,
 }
 
 impl Scene {
-    /// Numbers of history variables of the laws, taking rims and relaxation mechanisms into account.
+    /// Number of stored history variables of the laws, rims and relaxation mechanisms included.
     ///
     /// # Errors
     /// Set that does not exist, rim without elements, or flat damping that the law does not permit.

@@ -17,7 +17,7 @@ pub enum Parity {
 }
 
 impl Parity {
-    /// Name in messages.
+    /// Name of the parity in messages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -36,7 +36,7 @@ impl Parity {
     }
 }
 
-/// Symmetry plane: half of the body is modelled, with the boundary conditions of the plane.
+/// Symmetry plane at which half of a body is modelled in place of the whole.
 ///
 /// Nodes on the plane have no displacement along its normal if the motion is symmetric, and none in the plane if it is
 /// antisymmetric. Loads and prescribed motions are assumed to have the same parity; waves, weights and materials are
@@ -80,7 +80,7 @@ impl Mirror {
     }
 }
 
-/// Error of a symmetry plane.
+/// Why a symmetry plane is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MirrorError {

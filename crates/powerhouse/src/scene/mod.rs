@@ -7,6 +7,7 @@ mod joints;
 mod medium;
 mod memory;
 mod mirror;
+mod overview;
 mod prepare;
 mod region;
 mod rim;
@@ -19,6 +20,7 @@ pub use boundary::Boundary;
 pub(crate) use file::read_text;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
+pub use overview::{InputOverview, WaveOverview};
 pub(crate) use prepare::field_motion;
 pub use region::RegionError;
 pub(crate) use spans::{NOT_AT_REST, SceneSpans, StageSpans};
@@ -39,7 +41,9 @@ use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::output::{OutputPlan, ResultFolder};
-use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
+use crate::{
+    Error, InSituStress, Part, Registry, Remark, SceneBolts, SceneJoint, SceneStage, SceneText,
+};
 
 /// Nodes with prescribed motion, shared by all models of a scene.
 pub(crate) struct PrescribedMotion {
@@ -61,36 +65,40 @@ impl From<Prescribed> for PrescribedMotion {
 /// Time step of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeStep {
-    /// Stable step times this factor, above 0 and at most 1.
+    /// Share of the stable step, above 0 and at most 1.
     OfStable(f64),
-    /// Given step (s); an error if it is above the stable step.
+    /// Length (s); refused if it is above the stable step.
     Seconds(f64),
 }
 
-/// Tolerance of the energy balance of a run: relative residual above which it stops, over the largest energy stored or
-/// put in until then.
+/// Largest permitted residual of the energy balance, over the largest energy held or put in until then; a run
+/// stops above it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ResidualLimit {
     /// Default of the precision: 1e-7 in double, 1e-4 in mixed, 1e-2 in single.
     #[default]
     OfPrecision,
-    /// Given tolerance, above 0 and at most 1.
+    /// A share above 0 and at most 1.
     Share(f64),
-    /// No check: the balance is computed only if energies are recorded, and never stops the run.
+    /// No limit: the balance is not kept unless energies are recorded.
     Unchecked,
 }
 
-/// Initial motion of the body.
+/// Motion of the body at the start of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InitialMotion {
     /// Zero displacement and velocity.
     #[default]
     Rest,
-    /// Motion of the free field at the start.
+    /// Displacement and velocity of the incident field.
     Field,
 }
 
-/// Everything that a run needs: a mesh, its parts, what acts on it, and what is wanted of it.
+/// Input of a run: a mesh, its parts, boundary conditions, loads, construction stages and output requests.
+///
+/// `with_x` sets what `x` returns (or adds to it, where `x` is a list under a plural name); a method named by a
+/// singular noun adds one item to the list of the plural: [`part`](Self::part) to [`parts`](Self::parts),
+/// [`support`](Self::support) to [`supports`](Self::supports).
 ///
 /// A scene is read from a file ([`Scene::from_file`]) or composed here; both give the same type.
 /// ```
@@ -106,12 +114,12 @@ pub enum InitialMotion {
 /// let wave = PlaneWave::new(PlaneWaveParameters::vertical(WaveKind::P, media::ROCK, 400.0), pulse)?;
 /// let scene = Scene::new("box", mesh)
 ///     .part(Part::new("rock", Material::from(LinearElastic::new(media::ROCK))))
-///     .field(wave)
-///     .boundary(Boundary::new(
+///     .with_field(wave)
+///     .with_boundary(Boundary::new(
 ///         ViscousSpring::default(),
 ///         ["left", "right", "front", "back", "bottom"],
-///     ).scatterer(Vec3::new(200.0, 200.0, 400.0)))
-///     .duration(0.2);
+///     ).with_scatterer(Vec3::new(200.0, 200.0, 400.0)))
+///     .with_duration(0.2);
 /// let mut simulation = scene.prepare()?;
 /// assert!(simulation.stable_step()?.step > 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -156,6 +164,8 @@ pub struct Scene {
     pub(crate) cases_on_request: Vec<String>,
     /// Name of the case that the scene is, if any.
     pub(crate) case: Option<String>,
+    pub(crate) input: InputOverview,
+    pub(crate) registry: Option<Registry>,
 }
 
 impl Scene {
@@ -198,6 +208,8 @@ impl Scene {
             cases: Vec::new(),
             cases_on_request: Vec::new(),
             case: None,
+            input: InputOverview::default(),
+            registry: None,
         }
     }
     /// Adds a part; every element of the mesh must belong to exactly one.
@@ -206,18 +218,18 @@ impl Scene {
         self.parts.push(part);
         self
     }
-    /// Sets the motion of the site without the structure.
+    /// Sets the incident field: the motion of the site without the structure.
     #[must_use]
-    pub fn field(mut self, field: impl IncidentField + 'static) -> Self {
+    pub fn with_field(mut self, field: impl IncidentField + 'static) -> Self {
         self.field = Some(Arc::new(field));
         self.waves.clear();
         self
     }
-    /// The same for the sum of plane waves, which studies of the scene then know one by one.
+    /// Sets the incident field to a sum of plane waves, which studies of the scene then know one by one.
     ///
     /// # Errors
     /// No wave, or waves in different media.
-    pub fn plane_waves(mut self, waves: Vec<PlaneWave>) -> Result<Self, Error> {
+    pub fn with_plane_waves(mut self, waves: Vec<PlaneWave>) -> Result<Self, Error> {
         let fields = waves.iter().cloned();
         let fields = fields.map(|wave| Box::new(wave) as Box<dyn IncidentField>);
         let sum = Superposition::new(fields.collect()).map_err(ModelError::from)?;
@@ -225,20 +237,20 @@ impl Scene {
         self.waves = waves;
         Ok(self)
     }
-    /// The same for a field that another scene has too.
+    /// Sets the incident field to one that another scene has too.
     #[must_use]
-    pub fn shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
+    pub fn with_shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
         self.field = Some(field);
         self.waves.clear();
         self
     }
-    /// Sets where the mesh ends.
+    /// Sets the absorbing boundary.
     #[must_use]
-    pub fn boundary(mut self, boundary: Boundary) -> Self {
+    pub fn with_boundary(mut self, boundary: Boundary) -> Self {
         self.boundary = Some(boundary);
         self
     }
-    /// Adds nodes that are held.
+    /// Adds a support: nodes that are held in some or all directions.
     #[must_use]
     pub fn support(mut self, support: Support) -> Self {
         self.supports.push(support);
@@ -251,13 +263,13 @@ impl Scene {
         self.mirrors.push(mirror);
         self
     }
-    /// Adds nodes that move as one.
+    /// Adds pairs of nodes that move as one (periodic boundary conditions).
     #[must_use]
-    pub fn periodic(mut self, pairs: PeriodicPairs) -> Self {
+    pub fn with_periodic_pairs(mut self, pairs: PeriodicPairs) -> Self {
         self.periodic.push(pairs);
         self
     }
-    /// Adds nodes whose motion is given.
+    /// Adds nodes with a prescribed motion.
     #[must_use]
     pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
         self.prescribed.push(prescribed.into());
@@ -293,7 +305,7 @@ impl Scene {
         self.joints.push(joint);
         self
     }
-    /// Adds a condition that corrects predicted velocities.
+    /// Adds a constraint, which corrects predicted velocities.
     #[must_use]
     pub fn constraint(mut self, constraint: impl Constraint + 'static) -> Self {
         self.constraints.push(Box::new(constraint));
@@ -301,68 +313,73 @@ impl Scene {
     }
     /// Sets the stress of the ground before the first stage.
     #[must_use]
-    pub fn in_situ_stress(mut self, stress: InSituStress) -> Self {
+    pub fn with_in_situ_stress(mut self, stress: InSituStress) -> Self {
         self.in_situ_stress = Some(stress);
         self
     }
     /// Adds a bolt group, which a stage installs.
     #[must_use]
-    pub fn bolts(mut self, bolts: SceneBolts) -> Self {
+    pub fn with_bolts(mut self, bolts: SceneBolts) -> Self {
         self.bolts.push(bolts);
         self
     }
-    /// Adds a stage through which the body goes before it moves, after those that it has.
+    /// Adds a construction stage before the motion, after those that the scene has.
     #[must_use]
     pub fn stage(mut self, stage: SceneStage) -> Self {
         self.stages.push(stage);
         self
     }
-    /// Sets how long the run lasts (s).
+    /// Sets the duration of the run (s).
     #[must_use]
-    pub fn duration(mut self, duration: f64) -> Self {
+    pub fn with_duration(mut self, duration: f64) -> Self {
         self.duration = duration;
         self
     }
-    /// Sets the time at which the run starts (s), and how.
+    /// Sets the time at which the run starts (s).
     #[must_use]
-    pub fn start(mut self, time: f64, motion: InitialMotion) -> Self {
-        (self.start, self.initial) = (time, motion);
+    pub fn with_start_time(mut self, time: f64) -> Self {
+        self.start = time;
         self
     }
-    /// Sets the time step.
+    /// Sets the motion of the body at the start.
     #[must_use]
-    pub fn step(mut self, step: TimeStep) -> Self {
+    pub fn with_initial_motion(mut self, motion: InitialMotion) -> Self {
+        self.initial = motion;
+        self
+    }
+    /// Sets the time step of the run.
+    #[must_use]
+    pub fn with_step(mut self, step: TimeStep) -> Self {
         self.step = step;
         self
     }
-    /// Sets the scheme.
+    /// Sets the time integration scheme.
     #[must_use]
-    pub fn integrator(mut self, integrator: impl TimeIntegrator + 'static) -> Self {
+    pub fn with_integrator(mut self, integrator: impl TimeIntegrator + 'static) -> Self {
         self.integrator = Box::new(integrator);
         self
     }
-    /// Sets the number format.
+    /// Sets the number format of the elements and nodes.
     #[must_use]
-    pub fn precision(mut self, precision: Precision) -> Self {
+    pub fn with_precision(mut self, precision: Precision) -> Self {
         self.precision = precision;
         self
     }
-    /// Sets the residual of the energy balance at which a run stops.
+    /// Sets the residual of the energy balance at which the run stops.
     #[must_use]
-    pub fn energy_residual(mut self, limit: ResidualLimit) -> Self {
+    pub fn with_energy_residual(mut self, limit: ResidualLimit) -> Self {
         self.residual = limit;
         self
     }
-    /// Computes with so many threads instead of all, at most those of the machine; the bits of results do
-    /// not depend on it.
+    /// Sets the number of threads, at most those of the machine; the bits of results do not depend on it.
     #[must_use]
-    pub fn threads(mut self, threads: usize) -> Self {
+    pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
         self
     }
-    /// Sets what is recorded.
+    /// Sets the output requests.
     #[must_use]
-    pub fn output(mut self, output: OutputPlan) -> Self {
+    pub fn with_output(mut self, output: OutputPlan) -> Self {
         self.output = output;
         self
     }
@@ -370,7 +387,7 @@ impl Scene {
     /// Sets the largest permitted error of the free field, which the command `powerhouse run` checks
     /// before it runs a scene.
     #[must_use]
-    pub fn require_free_field(mut self, error: f64) -> Self {
+    pub fn with_self_check(mut self, error: f64) -> Self {
         self.self_check = Some(error);
         self
     }
@@ -382,9 +399,21 @@ impl Scene {
     }
     /// Sets the folder for the files of a run.
     #[must_use]
-    pub fn directory(mut self, path: impl Into<PathBuf>) -> Self {
+    pub fn with_directory(mut self, path: impl Into<PathBuf>) -> Self {
         self.directory = Some(path.into());
         self
+    }
+
+    /// Sets the registry of names, as reading a file does: checks and advice of the scene then know the
+    /// boundaries and kernels that a program has registered.
+    #[must_use]
+    pub fn with_registry(mut self, registry: Registry) -> Self {
+        self.registry = Some(registry);
+        self
+    }
+    /// The registry that the scene was read with; none for one that was composed without.
+    pub fn registry(&self) -> Option<&Registry> {
+        self.registry.as_ref()
     }
 
     /// The title.
@@ -395,67 +424,91 @@ impl Scene {
     pub fn mesh(&self) -> &Arc<Mesh> {
         &self.mesh
     }
-    /// The parts.
+    /// The parts: element sets with their material and kernel.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
-    /// The motion of the site without the structure.
-    pub fn incident_field(&self) -> Option<&Arc<dyn IncidentField>> {
+    /// The incident field: the motion of the site without the structure.
+    pub fn field(&self) -> Option<&Arc<dyn IncidentField>> {
         self.field.as_ref()
     }
-    /// The plane waves that it is the sum of; none if it is given otherwise.
-    pub fn incident_waves(&self) -> &[PlaneWave] {
+    /// The plane waves of which the incident field is the sum; none if the field is given otherwise.
+    pub fn plane_waves(&self) -> &[PlaneWave] {
         &self.waves
     }
-    /// Where the mesh ends.
-    pub fn absorbing_boundary(&self) -> Option<&Boundary> {
+    /// The absorbing boundary.
+    pub fn boundary(&self) -> Option<&Boundary> {
         self.boundary.as_ref()
     }
-    /// How long the run lasts (s).
-    pub fn run_duration(&self) -> f64 {
+    /// Duration of the run (s).
+    pub fn duration(&self) -> f64 {
         self.duration
     }
-    /// The time at which it starts (s).
+    /// Time at which the run starts (s).
     pub fn start_time(&self) -> f64 {
         self.start
     }
-    /// Threads that compute; all if none.
-    pub fn thread_count(&self) -> Option<usize> {
+    /// Number of threads; none for all of the machine.
+    pub fn threads(&self) -> Option<usize> {
         self.threads
     }
-    /// How the body moves then.
+    /// Motion of the body at the start of the run.
     pub fn initial_motion(&self) -> InitialMotion {
         self.initial
     }
-    /// The number format.
-    pub fn number_format(&self) -> Precision {
+    /// Time step of the run.
+    pub fn step(&self) -> TimeStep {
+        self.step
+    }
+    /// Time integration scheme.
+    pub fn integrator(&self) -> &dyn TimeIntegrator {
+        self.integrator.as_ref()
+    }
+    /// Residual of the energy balance at which the run stops.
+    pub fn energy_residual(&self) -> ResidualLimit {
+        self.residual
+    }
+    /// Stress of the ground before the first stage.
+    pub fn in_situ_stress(&self) -> Option<&InSituStress> {
+        self.in_situ_stress.as_ref()
+    }
+    /// Bolts, which stages install.
+    pub fn bolts(&self) -> &[SceneBolts] {
+        &self.bolts
+    }
+    /// Symmetry planes.
+    pub fn mirrors(&self) -> &[Mirror] {
+        &self.mirrors
+    }
+    /// Number format of the elements and nodes.
+    pub fn precision(&self) -> Precision {
         self.precision
     }
-    /// Nodes that are held.
+    /// Supports: nodes that are held in some or all directions.
     pub fn supports(&self) -> &[Support] {
         &self.supports
     }
-    /// Nodes that move as one.
+    /// Pairs of nodes that move as one (periodic boundary conditions).
     pub fn periodic_pairs(&self) -> &[PeriodicPairs] {
         &self.periodic
     }
-    /// The stages through which the body goes before it moves.
+    /// Construction stages before the motion, in their order.
     pub fn stages(&self) -> &[SceneStage] {
         &self.stages
     }
-    /// Whether a field, a load, a weight or a prescribed motion acts on it.
+    /// Whether an incident field, a load, a weight or a prescribed motion acts on the body.
     pub fn is_driven(&self) -> bool {
         self.field.is_some()
             || self.loads.iter().any(|load| load.removed_in.is_none())
             || !self.weights.is_empty()
             || !self.prescribed.is_empty()
     }
-    /// Whether forces that last act on it: weight, or what its stages leave.
+    /// Whether permanent forces act on the body: weight, or what its stages leave.
     pub fn is_loaded_for_good(&self) -> bool {
         !self.weights.is_empty() || !self.stages.is_empty()
     }
-    /// What is recorded.
-    pub fn output_plan(&self) -> &OutputPlan {
+    /// Output requests.
+    pub fn output(&self) -> &OutputPlan {
         &self.output
     }
     /// The largest permitted error of the free field, if a run is to check it first.
@@ -503,7 +556,7 @@ impl Scene {
         let joints = self.joints.iter();
         joints.map(|joint| (joint.name.as_str(), &joint.surface, joint.law.as_ref()))
     }
-    /// What was found while the scene was composed.
+    /// Remarks and warnings that were found while the scene was composed.
     pub fn remarks(&self) -> &[Remark] {
         &self.remarks
     }

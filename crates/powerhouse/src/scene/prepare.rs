@@ -25,8 +25,8 @@ pub(crate) struct Moving<'a> {
 }
 
 impl Scene {
-    /// Builds the model: checks everything, renumbers, packs elements, prepares the boundary. Stages
-    /// are looked at, not gone through: that is the run's.
+    /// Simulation of the scene: model built and checked, nodes renumbered, elements packed, boundary prepared.
+    /// Construction stages are checked here and computed by the run.
     ///
     /// # Errors
     /// The first thing that does not fit, named by the user's sets and numbers.
@@ -71,7 +71,7 @@ impl Scene {
             })
         }));
         let state_variables = StateVariables::of(&self, &rims)?;
-        let mut observed = Recordings::observe(
+        let (mut recordings, mut observers) = Recordings::observe(
             &self.output,
             &self.mesh,
             timeline.as_ref().and_then(Timeline::present),
@@ -89,12 +89,10 @@ impl Scene {
             }
             let Moving { builder, surfaces } =
                 self.moving(builder, &pieces, timeline.as_ref(), &mut remarks)?;
-            observed
-                .0
-                .watch_joints(&self.output, &self.mesh, surfaces, &mut observed.1)?;
+            recordings.watch_joints(&self.output, &self.mesh, surfaces, &mut observers)?;
             if let Some(timeline) = &timeline {
                 let bolts = timeline.bolts(self.stages.len());
-                (observed.0).watch_bolts(&self.output, bolts, &mut observed.1)?;
+                recordings.watch_bolts(&self.output, bolts, &mut observers)?;
             }
             builder.build()?
         };
@@ -104,28 +102,35 @@ impl Scene {
             state.time = self.start;
             model.set_state(&state)?;
         }
-        let field = match (self.initial, &self.field) {
+        let initial = match (self.initial, &self.field) {
             (InitialMotion::Rest, _) => None,
             (InitialMotion::Field, Some(field)) => Some(field.clone()),
             (InitialMotion::Field, None) => return Err(Error::NoField),
         };
         let integrator = core::mem::replace(&mut self.integrator, Box::new(Leapfrog));
-        Ok(Simulation::new(
-            (self.title.clone(), self.mesh.clone(), model),
-            (integrator, step),
-            (self.duration, self.residual),
-            (self.source.clone(), self.places.clone()),
-            field,
-            (self.output.clone(), observed),
-            state_variables.variables.clone(),
-            core::mem::take(&mut self.remarks),
-            timeline.map(|timeline| Staging {
+        Ok(Simulation {
+            title: self.title.clone(),
+            mesh: self.mesh.clone(),
+            model,
+            integrator,
+            step,
+            duration: self.duration,
+            residual: self.residual,
+            source: self.source.clone(),
+            spans: self.places.clone(),
+            initial,
+            plan: self.output.clone(),
+            recordings,
+            observers,
+            variables: state_variables.variables.clone(),
+            remarks: core::mem::take(&mut self.remarks),
+            staging: timeline.map(|timeline| Staging {
                 scene: self,
                 pieces,
                 timeline,
                 variables: state_variables.variables,
             }),
-        ))
+        })
     }
 
     /// Warning about an in-situ stress that ends below the top of the body in the first stage.
@@ -253,7 +258,8 @@ impl Scene {
 pub(crate) fn field_motion(
     field: &dyn IncidentField,
     points: &[Vec3],
-    (time, step): (f64, f64),
+    time: f64,
+    step: f64,
 ) -> Result<(Vec<Vec3>, Vec<Vec3>), Error> {
     let sampler = field.prepare(points)?;
     let mut motion = vec![powerhouse_model::FieldMotion::default(); points.len()];

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::{InitialMotion, Scene};
 use crate::{Damping, Error, Remark, reduction_layer};
 
-/// Error of a domain reduction region.
+/// Why domain reduction through the layer around a region is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RegionError {

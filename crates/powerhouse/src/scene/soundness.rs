@@ -1,4 +1,4 @@
-//! Plausibility checks of a scene, from a file or composed in Rust.
+//! Checks of magnitudes, names, threads and supports of a scene, from a file or composed.
 
 use std::collections::BTreeSet;
 
@@ -15,13 +15,13 @@ use crate::{Error, Remark};
 const ALONG: f64 = 0.17;
 
 impl Scene {
-    /// Allows quantities outside their usual ranges; each becomes a warning instead of an error.
+    /// Permits magnitudes beyond what is usual of ground and structures; each is a warning then.
     #[must_use]
     pub fn allow_magnitudes(mut self) -> Self {
         self.magnitudes_allowed = true;
         self
     }
-    /// Returns whether quantities outside their usual ranges are allowed.
+    /// Whether magnitudes beyond what is usual are permitted.
     pub fn allows_magnitudes(&self) -> bool {
         self.magnitudes_allowed
     }

@@ -266,7 +266,7 @@ kept_open_fields!(JointHistory {
     variables,
     history,
 });
-kept_fields!(HistoryField {
+kept_open_fields!(HistoryField {
     name,
     elements,
     points,
@@ -276,7 +276,7 @@ kept_fields!(Cast {
     elements,
     displacement
 });
-kept_fields!(State {
+kept_open_fields!(State {
     time,
     step,
     displacement,
@@ -334,6 +334,8 @@ mod tests {
         check::<JointState>();
         check::<JointRecord>();
         check::<JointHistory>();
+        check::<HistoryField>();
+        check::<State>();
     }
 
     /// A joint comes back from its bytes with the history variables of its law.

@@ -25,7 +25,7 @@ use crate::joint::Closing;
 ///     SceneStage::new("ground").support(Support::roller(bottom, Vec3::z())),
 ///     SceneStage::new("excavation")
 ///         .excavate("core")
-///         .options(StaticOptions::default().with_increments(4).with_release(0.6)),
+///         .with_options(StaticOptions::default().with_increments(4).with_release(0.6)),
 ///     SceneStage::new("support").cast("lining").install("roof"),
 /// ];
 /// assert_eq!(stages[2].name(), "support");
@@ -149,7 +149,7 @@ impl SceneStage {
     }
     /// Sets the options of the static analysis: method, tolerance, increments and release factor.
     #[must_use]
-    pub fn options(mut self, options: StaticOptions) -> Self {
+    pub fn with_options(mut self, options: StaticOptions) -> Self {
         self.options = options;
         self
     }

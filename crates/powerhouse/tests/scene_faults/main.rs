@@ -85,7 +85,7 @@ fn fault_of(sound: &str, old: &str, new: &str) -> Box<SceneFault> {
 fn the_sound_scene_is_accepted() {
     let scene = read(SOUND).unwrap();
     assert_eq!(scene.parts().len(), 2);
-    assert!(scene.incident_field().is_some());
+    assert!(scene.field().is_some());
     assert_eq!(scene.remarks().len(), 1);
 }
 
@@ -511,7 +511,7 @@ fn histories_of_joints_have_their_place() {
         "[[joint]]\nname = \"bond\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"tied\"\n[time]";
     let sound = SOUND.replace("[time]", joint);
     let sound = format!("{sound}[[output.joint]]\nname = \"j\"\njoint = \"bond\"\n");
-    assert_eq!(read(&sound).unwrap().output_plan().joints.len(), 1);
+    assert_eq!(read(&sound).unwrap().output().joints.len(), 1);
     for (old, new, message) in [
         (
             "joint = \"bond\"",

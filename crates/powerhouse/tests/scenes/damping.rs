@@ -50,16 +50,16 @@ const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity
 fn cube_with(mesh: Mesh, parts: Vec<Part>) -> Scene {
     let base = cube_scene();
     let scene = Scene::new("cube", mesh)
-        .shared_field(base.incident_field().unwrap().clone())
-        .boundary(base.absorbing_boundary().unwrap().clone())
-        .duration(0.6)
-        .output(base.output_plan().clone());
+        .with_shared_field(base.field().unwrap().clone())
+        .with_boundary(base.boundary().unwrap().clone())
+        .with_duration(0.6)
+        .with_output(base.output().clone());
     parts.into_iter().fold(scene, Scene::part)
 }
 
 fn damped(material: Material, damping: Damping) -> Scene {
-    let part = Part::new("rock", material).kernel(SolidKernel::Hex8Full);
-    cube_with(cube(), vec![part.damping(damping)])
+    let part = Part::new("rock", material).with_kernel(SolidKernel::Hex8Full);
+    cube_with(cube(), vec![part.with_damping(damping)])
 }
 
 /// The largest displacement along x at the surface (m).
@@ -265,16 +265,16 @@ fn a_rim_is_elastic_and_undamped() {
         mass: 0.5,
         stiffness: 0.0,
     };
-    let of = |set: &str, material| Part::new(set, material).kernel(SolidKernel::Hex8Full);
+    let of = |set: &str, material| Part::new(set, material).with_kernel(SolidKernel::Hex8Full);
     for (width, elements) in [(0.0, 136), (50.0, 136), (60.0, 200)] {
         let keys = format!(
             "{KERNEL}damping = {{ kind = \"coefficients\", mass = 0.5, stiffness = 0 }}\nrim = {width}\n"
         );
         let text = CUBE.replace(ELASTIC, WEAK).replace(KERNEL, &keys);
-        let rimmed = of("rock", weak()).damping(rayleigh).rim(width);
+        let rimmed = of("rock", weak()).with_damping(rayleigh).with_rim(width);
         variants.equal((CUBE, &text), cube_with(cube(), vec![rimmed.clone()]));
         let two = vec![
-            of("inner", weak()).damping(rayleigh),
+            of("inner", weak()).with_damping(rayleigh),
             of("outer", elastic()),
         ];
         let twin = run(cube_with(cut(width.max(50.0)), two));
@@ -298,7 +298,7 @@ fn a_rim_is_elastic_and_undamped() {
         assert_eq!(state.elements.len(), 216 - elements);
     }
     // Without a rim both have warnings.
-    let bare = cube_with(cube(), vec![of("rock", weak()).damping(rayleigh)]);
+    let bare = cube_with(cube(), vec![of("rock", weak()).with_damping(rayleigh)]);
     let simulation = bare.prepare().unwrap();
     let warned = simulation.remarks().iter().filter(|remark| {
         matches!(
@@ -328,7 +328,7 @@ fn a_rim_without_elements_is_refused() {
     let parts = [("inner", Some(20.0)), ("outer", None)].map(|(set, rim)| {
         let part = Part::new(set, elastic());
         match rim {
-            Some(width) => part.rim(width),
+            Some(width) => part.with_rim(width),
             None => part,
         }
     });
@@ -337,6 +337,6 @@ fn a_rim_without_elements_is_refused() {
     };
     assert!(matches!(error, Error::IdleRim { set, width: 20.0 } if set == "inner"));
     // A scene without absorbing faces has no rim either.
-    let free = Scene::new("free", cube()).part(Part::new("rock", elastic()).rim(10.0));
+    let free = Scene::new("free", cube()).part(Part::new("rock", elastic()).with_rim(10.0));
     assert!(matches!(free.prepare(), Err(Error::IdleRim { .. })));
 }

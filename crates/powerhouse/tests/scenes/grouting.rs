@@ -127,10 +127,10 @@ impl Blocks {
         });
         let mut joint = SceneJoint::new("seam", surface, law.unwrap());
         if plan.gap > 0.0 {
-            joint = joint.gap(InitialGap::Distance(plan.gap));
+            joint = joint.with_gap(InitialGap::Distance(plan.gap));
         }
         if plan.loose {
-            joint = joint.unbonded(JointZone::All);
+            joint = joint.with_unbonded(JointZone::All);
         }
         let ends = [0.0, 4.0].map(|layer| self.layer(&mesh, layer));
         let ends = ends.iter().flatten().map(|(node, _)| *node).collect();
@@ -141,19 +141,19 @@ impl Blocks {
         }
         let rock = ElasticMedium::new(YOUNG, 0.0, 2600.0).unwrap();
         let material = Material::from(LinearElastic::new(rock));
-        let part = |set: &str| Part::new(set, material.clone()).kernel(SolidKernel::Hex8Full);
+        let part = |set: &str| Part::new(set, material.clone()).with_kernel(SolidKernel::Hex8Full);
         let scene = Scene::new("blocks", mesh)
             .part(part("lower"))
             .part(part("upper"))
             .joint(joint)
-            .duration(0.01);
+            .with_duration(0.01);
         let scene = supports.into_iter().fold(scene, Scene::support);
         plan.stages.into_iter().fold(scene, Scene::stage)
     }
 }
 
 fn stage(name: &str, method: StaticMethod) -> SceneStage {
-    SceneStage::new(name).options(StaticOptions::default().with_method(method))
+    SceneStage::new(name).with_options(StaticOptions::default().with_method(method))
 }
 
 fn run(scene: Scene) -> Results {
@@ -390,7 +390,7 @@ fn grouting_is_carried_over() {
     let folder = Folder::new("grouting");
     let file = folder.0.join("rest.body");
     let body = blocks.scene(plan(true), None).prepare().unwrap();
-    let body = body.bring_to_rest(None, None).unwrap().unwrap();
+    let body = body.equilibrate(None, None).unwrap().unwrap();
     body.write(&file).unwrap();
     let back = EquilibratedBody::read(&file).unwrap();
     assert_eq!(back, body);
@@ -400,10 +400,7 @@ fn grouting_is_carried_over() {
             .iter()
             .all(|record| record.closed_at.is_some())
     );
-    let hooks = RunHooks {
-        at_rest: Some(back),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_equilibrated_body(back);
     let resumed = blocks
         .scene(plan(true), None)
         .prepare()

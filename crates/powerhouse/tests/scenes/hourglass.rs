@@ -126,7 +126,7 @@ at = [450, 0, 0]
         young = 2.0 * 1.49 * shear
     );
     let scene = scene(&mesh, text);
-    let field = scene.incident_field().unwrap().clone();
+    let field = scene.field().unwrap().clone();
     let results = run(scene);
     let points = [150.0, 300.0, 450.0].map(|x| Vec3::new(x, 0.0, 0.0));
     let sampler = field.prepare(&points).unwrap();
@@ -214,7 +214,7 @@ duration = 1e-3
 "#
     );
     let simulation = scene(&mesh, text).prepare().unwrap();
-    let body = simulation.bring_to_rest(None, None).unwrap().unwrap();
+    let body = simulation.equilibrate(None, None).unwrap().unwrap();
     let nodes = mesh.positions().iter().zip(&body.state().displacement);
     let at_wall = nodes.filter(|(x, _)| (x.x.hypot(x.y) - 1.0).abs() < 1e-9);
     let inward: Vec<f64> = at_wall

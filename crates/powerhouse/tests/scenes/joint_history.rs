@@ -57,21 +57,15 @@ fn history_variables_of_a_contact_law_are_results() {
         ..JointQuantities::default()
     };
     let mut scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint);
-    let mut plan = scene.output_plan().clone();
+    let mut plan = scene.output().clone();
     plan = plan.joint("corner", "bedding", JointZone::Node(node), only_history);
-    plan.snapshots = Some(SnapshotRequest {
-        fields: Default::default(),
-        every: 0.2,
-    });
-    scene = scene.output(plan);
+    plan.snapshots = Some(SnapshotRequest::new(0.2));
+    scene = scene.with_output(plan);
     let mesh = scene.mesh().clone();
     let simulation = scene.prepare().unwrap();
     let folder = Folder::new("joint-history");
     let output = ResultFolder::new(&folder.0);
-    let hooks = RunHooks {
-        snapshots: Some(output.snapshots(&simulation).unwrap()),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_snapshots(output.snapshots(&simulation).unwrap());
     let results = simulation.run(hooks).unwrap();
 
     let table = &results.joints[0];

@@ -88,13 +88,8 @@ fn wishes() {
         // The joint history is part of the plan.
         let text = format!("{JOINT}\n{history}{keys}\n");
         let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{keys}: {error}"));
-        let wish = JointRequest {
-            name: "p".into(),
-            joint: "bedding".into(),
-            zone,
-            quantities,
-        };
-        assert_eq!(scene.output_plan().joints, [wish], "{keys}");
+        let wish = JointRequest::new("p", "bedding", zone, quantities);
+        assert_eq!(scene.output().joints, [wish], "{keys}");
         scene
             .prepare()
             .unwrap_or_else(|error| panic!("{keys}: {error}"));
@@ -108,7 +103,7 @@ fn wishes_for_nothing_are_refused() {
         let (mesh, bedding) = twin(&halves());
         let plan = OutputPlan::default().joint("p", joint, zone, JointQuantities::ALL);
         let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(bedding);
-        scene.output(plan).prepare().map(|_| ()).unwrap_err()
+        scene.with_output(plan).prepare().map(|_| ()).unwrap_err()
     };
     let error = prepared("seam", JointZone::All);
     assert!(matches!(error, Error::NoSuchJoint { name } if name == "seam"));
@@ -119,7 +114,7 @@ fn wishes_for_nothing_are_refused() {
     let plan =
         OutputPlan::default().joint("bedding", "bedding", JointZone::All, JointQuantities::ALL);
     let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(bedding);
-    let error = scene.output(plan).prepare().map(|_| ()).unwrap_err();
+    let error = scene.with_output(plan).prepare().map(|_| ()).unwrap_err();
     assert!(
         error
             .to_string()
@@ -149,7 +144,7 @@ fn columns_say_what_becomes_of_the_pairs() {
     }
     let scene = cube_scene_of(mesh, &["lower", "upper"])
         .joint(joint)
-        .output(plan);
+        .with_output(plan);
     let mesh = scene.mesh().clone();
     let results = run(scene);
     let last = |name: &str| {
@@ -327,20 +322,14 @@ fn columns_say_what_becomes_of_the_pairs() {
 fn snapshots_hold_joints() {
     let (mesh, joint) = twin(&halves());
     let mut scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint);
-    let mut plan = scene.output_plan().clone();
-    plan.snapshots = Some(SnapshotRequest {
-        fields: Default::default(),
-        every: 0.2,
-    });
-    scene = scene.output(plan);
+    let mut plan = scene.output().clone();
+    plan.snapshots = Some(SnapshotRequest::new(0.2));
+    scene = scene.with_output(plan);
     let simulation = scene.prepare().unwrap();
     let folder = Folder::new("joint-snapshots");
     let output = ResultFolder::new(&folder.0);
     let sink = output.snapshots(&simulation).unwrap();
-    let hooks = RunHooks {
-        snapshots: Some(sink),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_snapshots(sink);
     let results = simulation.run(hooks).unwrap();
     assert_eq!(results.snapshots, 4);
     let collection = std::fs::read_to_string(folder.0.join("snapshots.pvd")).unwrap();

@@ -47,7 +47,7 @@ fn under(parameters: PlaneWaveParameters, signal: Arc<dyn Signal>) -> Scene {
         let limits = QuietStartLimits::default();
         wave.with_quiet_start(&corners, 0.0, &limits).unwrap().0
     };
-    cube_scene().field(wave)
+    cube_scene().with_field(wave)
 }
 
 /// Kind, angles, arrival, reference, factor, pulse and space of a wave agree with those of Rust.
@@ -133,7 +133,7 @@ fn waves() {
         .unwrap()
     });
     let fields = waves.map(|wave| Box::new(wave) as _).into();
-    let twin = cube_scene().field(Superposition::new(fields).unwrap());
+    let twin = cube_scene().with_field(Superposition::new(fields).unwrap());
     let keys = format!(
         "[[wave]]\nkind = \"p\"\nincidence = 15\narrival = 0.1\n{pulse}\n[[wave]]\nkind = \"sh\"\nincidence = 25\n{pulse}\n"
     );
@@ -325,7 +325,10 @@ fn conventions() {
         let duration = 0.6 + padding.unwrap_or(0.0).ceil();
         let text = CUBE.replace(WAVE, &keys);
         let text = text.replace("duration = 0.6\n", &format!("duration = {duration}\n"));
-        variants.equal((CUBE, &text), under(parameters, signal).duration(duration));
+        variants.equal(
+            (CUBE, &text),
+            under(parameters, signal).with_duration(duration),
+        );
     }
 }
 

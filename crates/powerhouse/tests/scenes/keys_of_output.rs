@@ -12,11 +12,7 @@ const HISTORY: &str = "[[output.history]]\nname = \"surface\"\nat = [150, 150, 0
 
 /// Plan of the file without its history.
 fn plan() -> OutputPlan {
-    OutputPlan {
-        every: 0.01,
-        energies: Some(0.006),
-        ..OutputPlan::default()
-    }
+    OutputPlan::default().with_every(0.01).with_energies(0.006)
 }
 
 /// Every location, quantity and sampling interval of a file is in the plan.
@@ -85,51 +81,34 @@ fn plans() {
         ),
         (
             "[output.envelope]\nquantities = [\"stress\", \"velocity\"]\nsets = [\"rock\"]\nevery = 0.02",
-            OutputPlan {
-                envelope: Some(EnvelopeRequest {
-                    motion: velocity,
-                    stress: true,
-                    sets: vec!["rock".into()],
-                    every: 0.02,
-                }),
-                ..plan()
-            },
+            plan().with_envelope(
+                EnvelopeRequest::new(0.02)
+                    .with_motion(velocity)
+                    .with_stress(true)
+                    .with_sets(vec!["rock".into()]),
+            ),
         ),
         (
             "[output.envelope]",
-            OutputPlan {
-                envelope: Some(EnvelopeRequest {
-                    motion: Motion::ALL,
-                    stress: false,
-                    sets: Vec::new(),
-                    every: 0.01,
-                }),
-                ..plan()
-            },
+            plan().with_envelope(EnvelopeRequest::new(0.01)),
         ),
         (
             "[output.snapshots]\nevery = 0.1\nquantities = [\"stress\"]",
-            OutputPlan {
-                snapshots: Some(SnapshotRequest {
-                    fields: SnapshotFields {
-                        motion: stress,
-                        stress: true,
-                    },
-                    every: 0.1,
-                }),
-                ..plan()
-            },
+            plan().with_snapshots(SnapshotRequest::new(0.1).with_fields(SnapshotFields {
+                motion: stress,
+                stress: true,
+            })),
         ),
     ] {
         let scene = variants.read(HISTORY, keys);
         let scene = scene.unwrap_or_else(|error| panic!("{keys}: {error}"));
-        assert_eq!(scene.output_plan(), &expected, "{keys}");
+        assert_eq!(scene.output(), &expected, "{keys}");
         scene
             .prepare()
             .unwrap_or_else(|error| panic!("{keys}: {error}"));
     }
     let scene = variants.read("every = 0.01", "energies = 0.05").unwrap();
-    let plan = scene.output_plan();
+    let plan = scene.output();
     assert_eq!((plan.every, plan.energies), (0.005, Some(0.05)));
 }
 

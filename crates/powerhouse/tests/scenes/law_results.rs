@@ -41,12 +41,12 @@ fn cracking() -> Material {
 fn energies_of_plastic_flow_and_damage_are_told() {
     let energies = |share: f64| {
         let scene = cube_scene_made_of(cube(), &["rock"], &cracking());
-        let mut plan = scene.output_plan().clone();
+        let mut plan = scene.output().clone();
         plan.energies = Some(0.01);
         let scene = scene
-            .output(plan)
-            .step(powerhouse::TimeStep::OfStable(share));
-        let results = run(scene.energy_residual(powerhouse::ResidualLimit::Share(1e-9)));
+            .with_output(plan)
+            .with_step(powerhouse::TimeStep::OfStable(share));
+        let results = run(scene.with_energy_residual(powerhouse::ResidualLimit::Share(1e-9)));
         let residual = results.energy_residual().unwrap();
         assert!(residual.largest < 1e-9, "{residual:?}");
         assert!(residual.share_of_input.unwrap() < 1e-9, "{residual:?}");
@@ -84,15 +84,12 @@ fn what_laws_remember_is_recorded() {
     let out = powerhouse::ResultFolder::new(variants.0.0.join("out"));
     let mesh = scene.mesh().clone();
     let simulation = scene.prepare().unwrap();
-    let hooks = powerhouse::RunHooks {
-        snapshots: Some(out.snapshots(&simulation).unwrap()),
-        ..Default::default()
-    };
+    let hooks = powerhouse::RunHooks::default().with_snapshots(out.snapshots(&simulation).unwrap());
     let results = simulation.run(hooks).unwrap();
     let twin = cube_scene_made_of(cube(), &["rock"], &cracking());
-    let mut plan = twin.output_plan().clone();
+    let mut plan = twin.output().clone();
     plan = plan.state("surface", powerhouse::model::Vec3::new(150.0, 150.0, 0.0));
-    let twin = run(twin.output(plan));
+    let twin = run(twin.with_output(plan));
     assert_eq!(results.histories, twin.histories);
     for name in ["damage", "plastic_strain_zx", "yield_state"] {
         let column = results

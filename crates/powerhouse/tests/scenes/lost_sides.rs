@@ -33,8 +33,8 @@ fn scene(mesh: Mesh, sets: &[&str]) -> Scene {
         .gravity(Vec3::new(0.0, 0.0, -9.81), |_: f64| 1.0)
         .support(Support::fixed(held))
         .load(push)
-        .duration(0.06)
-        .output(output);
+        .with_duration(0.06)
+        .with_output(output);
     sets.iter().fold(scene, |scene, set| {
         scene.part(Part::new(*set, Material::from(LinearElastic::new(ROCK))))
     })
@@ -44,7 +44,7 @@ fn scene(mesh: Mesh, sets: &[&str]) -> Scene {
 fn upper() -> Scene {
     let (low, high) = (Vec3::new(0.0, 0.0, SEAM), CORNER);
     let mesh = Mesh::box_of_hexes(low, high, [6, 2, 2], "upper").unwrap();
-    let stage = SceneStage::new("ground").options(exact());
+    let stage = SceneStage::new("ground").with_options(exact());
     scene(mesh, &["upper"]).stage(stage)
 }
 
@@ -72,16 +72,16 @@ fn opened(options: StaticOptions, closed: bool) -> Scene {
     });
     let stage = SceneStage::new("opening")
         .excavate("lower")
-        .options(options);
+        .with_options(options);
     let stage = if closed { stage.tie("seam") } else { stage };
     scene(split.mesh, &["lower", "upper"])
         .joint(SceneJoint::new("seam", surface, law.unwrap()))
-        .stage(SceneStage::new("ground").options(exact()))
+        .stage(SceneStage::new("ground").with_options(exact()))
         .stage(stage)
 }
 
 fn at_rest(scene: Scene) -> EquilibratedBody {
-    let rested = scene.prepare().unwrap().bring_to_rest(None, None);
+    let rested = scene.prepare().unwrap().equilibrate(None, None);
     rested.unwrap().unwrap()
 }
 

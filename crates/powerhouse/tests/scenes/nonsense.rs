@@ -117,7 +117,7 @@ fn no_facet_absorbs_twice() {
     mesh.set_facet_set("around", all).unwrap();
     for faces in [["left", "left"], ["front", "around"], ["around", "left"]] {
         let scene = cube_scene_on(mesh.clone());
-        let scene = scene.boundary(Boundary::new(Viscous::default(), faces));
+        let scene = scene.with_boundary(Boundary::new(Viscous::default(), faces));
         let error = scene.prepare().map(|_| ()).unwrap_err();
         let named = matches!(&error, Error::SharedFacet { first, second, .. }
             if *first == faces[0] && *second == faces[1]);
@@ -265,7 +265,7 @@ fn composed_scenes_have_usual_magnitudes() {
         (scene(10.0, medium(30e9, 2.5)), "density"),
         (scene(1e6, ROCK), "diagonal"),
         (scene(1e-3, ROCK), "diagonal"),
-        (scene(10.0, ROCK).duration(1e9), "duration"),
+        (scene(10.0, ROCK).with_duration(1e9), "duration"),
         (
             scene(10.0, ROCK).gravity(down(1e6), |_: f64| 1.0),
             "gravity",
@@ -360,9 +360,9 @@ fn names_of_results_are_checked_before_the_run() {
     assert!(two("crown, left", "\\\"crown\\\"").is_ok());
     let composed = |name: &str| {
         let mut scene = cube_scene();
-        let mut plan = scene.output_plan().clone();
+        let mut plan = scene.output().clone();
         plan = plan.history(name, Vec3::new(150.0, 150.0, -50.0), Default::default());
-        scene = scene.output(plan);
+        scene = scene.with_output(plan);
         scene.prepare().map(|_| ()).unwrap_err()
     };
     assert!(matches!(
@@ -416,13 +416,13 @@ fn what_falls_is_warned_of() {
     let swings = |scene: Scene| doubts_of(scene).contains(&SceneDoubt::SuddenWeight);
     assert!(falls(bare()));
     assert!(falls(
-        bare().boundary(Boundary::new(Viscous::default(), SIDES))
+        bare().with_boundary(Boundary::new(Viscous::default(), SIDES))
     ));
     assert!(falls(bare().support(bottom(Vec3::x()))));
     let centre = Vec3::new(150.0, 150.0, 0.0);
-    let springs = || Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre);
+    let springs = || Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(centre);
     for held in [
-        bare().boundary(springs()),
+        bare().with_boundary(springs()),
         bare().support(bottom(Vec3::z())),
         bare().support(bottom(Vec3::new(0.3, 0.0, 1.0))),
     ] {

@@ -18,8 +18,8 @@ fn with_region(keys: &str) -> String {
 
 fn entering_around(region: Vec<u32>) -> Scene {
     let centre = Vec3::new(150.0, 150.0, 0.0);
-    let boundary = Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre);
-    cube_scene().boundary(boundary.entering_around(region))
+    let boundary = Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(centre);
+    cube_scene().with_boundary(boundary.with_region(region))
 }
 
 /// A region in a file equals that of Rust, by box and by set, and a run reports the number of elements through which
@@ -48,7 +48,7 @@ fn outside_the_layer_hardly_anything_moves() {
         .history("inside", Vec3::new(150.0, 150.0, 0.0), Motion::DISPLACEMENT)
         .history("outside", Vec3::new(0.0, 0.0, 0.0), Motion::DISPLACEMENT);
     let peaks = |scene: Scene| {
-        let results = run(scene.output(output.clone()));
+        let results = run(scene.with_output(output.clone()));
         ["inside", "outside"].map(|name| {
             let column = results.histories.column(&format!("{name}.ux")).unwrap();
             column
@@ -135,6 +135,6 @@ fn regions_without_a_layer_are_refused() {
         input: InputMode::Nothing,
     };
     let inside = cube().elements_in_box(&LOW, &HIGH);
-    let scene = cube_scene().boundary(Boundary::new(quiet, SIDES).entering_around(inside));
+    let scene = cube_scene().with_boundary(Boundary::new(quiet, SIDES).with_region(inside));
     assert!(scene.prepare().is_ok());
 }

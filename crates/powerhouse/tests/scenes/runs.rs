@@ -180,33 +180,23 @@ fn a_stopped_run_leaves_complete_output() {
     let folder = Folder::new("stopped");
     let results = ResultFolder::new(folder.0.join("out"));
     let mut scene = cube_scene();
-    let mut plan = scene.output_plan().clone();
+    let mut plan = scene.output().clone();
     plan.energies = Some(0.05);
-    plan.snapshots = Some(SnapshotRequest {
-        fields: Default::default(),
-        every: 0.05,
-    });
-    plan.envelope = Some(powerhouse::EnvelopeRequest {
-        motion: Motion::ALL,
-        stress: true,
-        sets: Vec::new(),
-        every: 0.01,
-    });
-    scene = scene.output(plan);
+    plan.snapshots = Some(SnapshotRequest::new(0.05));
+    plan.envelope = Some(powerhouse::EnvelopeRequest::new(0.01).with_stress(true));
+    scene = scene.with_output(plan);
     let simulation = scene.prepare().unwrap();
     let mesh = simulation.mesh().clone();
     let stop = Arc::new(AtomicBool::new(false));
     let raised = stop.clone();
-    let hooks = RunHooks {
-        stop: Some(stop),
-        snapshots: Some(results.snapshots(&simulation).unwrap()),
-        progress: Some(Box::new(move |progress| {
+    let hooks = RunHooks::default()
+        .with_stop(stop)
+        .with_snapshots(results.snapshots(&simulation).unwrap())
+        .with_progress(move |progress| {
             if progress.done == 20 {
                 raised.store(true, Ordering::Relaxed);
             }
-        })),
-        ..RunHooks::default()
-    };
+        });
     let found = simulation.run(hooks).unwrap();
     assert_eq!((found.run.steps, &found.run.ended), (21, &Ended::Stopped));
     let files = results
@@ -279,16 +269,20 @@ fn misfits_are_refused_by_name() {
         .part(Part::new("rok", rock()))
         .prepare();
     assert!(set.is_err_and(|error| error.to_string().contains("'rok'")));
-    let share = cube_scene().step(TimeStep::OfStable(1.5)).prepare();
+    let share = cube_scene().with_step(TimeStep::OfStable(1.5)).prepare();
     assert!(share.is_err_and(|error| error.to_string().contains("share = 1.5")));
-    let idle = Part::new("rock", rock()).kernel(SolidKernel::Wedge6);
+    let idle = Part::new("rock", rock()).with_kernel(SolidKernel::Wedge6);
     let idle = Scene::new("idle", cube()).part(idle).prepare();
     assert!(matches!(idle, Err(Error::IdleKernel { kernel, .. }) if kernel == "wedge6"));
     let field = Scene::new("field", cube())
         .part(Part::new("rock", rock()))
-        .start(0.0, InitialMotion::Field);
+        .with_start_time(0.0)
+        .with_initial_motion(InitialMotion::Field);
     assert!(matches!(field.prepare(), Err(Error::NoField)));
-    let mut step = cube_scene().step(TimeStep::Seconds(1.0)).prepare().unwrap();
+    let mut step = cube_scene()
+        .with_step(TimeStep::Seconds(1.0))
+        .prepare()
+        .unwrap();
     assert!(matches!(step.step(), Err(Error::Run(_))));
 }
 
@@ -298,9 +292,10 @@ fn misfits_are_refused_by_name() {
 fn a_body_may_start_with_the_field() {
     let error = |elements| {
         let scene = cube_scene_on(cube_of(elements))
-            .start(0.25, InitialMotion::Field)
-            .duration(0.35);
-        let field = scene.incident_field().unwrap().clone();
+            .with_start_time(0.25)
+            .with_initial_motion(InitialMotion::Field)
+            .with_duration(0.35);
+        let field = scene.field().unwrap().clone();
         let sampler = field.prepare(&[Vec3::new(150.0, 150.0, 0.0)]).unwrap();
         let histories = run(scene).histories;
         let found = &histories.column("surface.ux").unwrap().values;
@@ -397,9 +392,9 @@ fn engine_supports_go_into_the_builder() {
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
         .support(Support::fixed(nodes))
         .gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 0.05).min(1.0))
-        .duration(0.05)
-        .step(TimeStep::Seconds(0.001))
-        .output(OutputPlan::default().history(
+        .with_duration(0.05)
+        .with_step(TimeStep::Seconds(0.001))
+        .with_output(OutputPlan::default().history(
             "top",
             Vec3::new(150.0, 150.0, 0.0),
             Motion::DISPLACEMENT,

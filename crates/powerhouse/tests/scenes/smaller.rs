@@ -49,13 +49,13 @@ fn body(half: bool, kind: WaveKind, [incidence, azimuth]: [f64; 2]) -> Scene {
             output.history(name, Vec3::from(*place), Motion::DISPLACEMENT)
         });
     Scene::new("body", mesh)
-        .part(Part::new("rock", rock).kernel(SolidKernel::Hex8Full))
-        .plane_waves(vec![PlaneWave::new(parameters, pulse).unwrap()])
+        .part(Part::new("rock", rock).with_kernel(SolidKernel::Hex8Full))
+        .with_plane_waves(vec![PlaneWave::new(parameters, pulse).unwrap()])
         .unwrap()
-        .boundary(boundary)
-        .step(TimeStep::Seconds(0.01))
-        .duration(0.8)
-        .output(output)
+        .with_boundary(boundary)
+        .with_step(TimeStep::Seconds(0.01))
+        .with_duration(0.8)
+        .with_output(output)
 }
 
 fn mirrored(scene: Scene, parity: Parity) -> Scene {
@@ -357,8 +357,8 @@ fn a_slice_moves_as_the_whole() {
     };
     // Both locations are of a plane strain problem: any y is equivalent.
     let apart = apart(
-        &run(slice.output(output(150.0))),
-        &run(whole.output(output(50.0))),
+        &run(slice.with_output(output(150.0))),
+        &run(whole.with_output(output(50.0))),
     );
     assert!(apart < 1e-10, "{apart:e}");
     let beside = sliced("400");

@@ -53,7 +53,7 @@ fn displacements(scene: Scene) -> Vec<Vec<Vec3>> {
     let seen = Displacements::default();
     let sink = Box::new(seen.clone());
     let simulation = scene.prepare().unwrap();
-    simulation.bring_to_rest(None, Some(sink)).unwrap();
+    simulation.equilibrate(None, Some(sink)).unwrap();
     let seen = seen.0.lock().unwrap();
     seen.clone()
 }
@@ -105,10 +105,10 @@ fn an_elastic_body_returns_when_loads_are_taken_off() {
     let top = mesh.nodes_of_facets(mesh.facet_set("top").unwrap());
     let jack = NodalForce::new(top, Vec3::new(2e5, 0.0, 1e5), Box::new(|_: f64| 1.0));
     let tight = StaticOptions::default().with_tolerance(1e-12);
-    let jacked = SceneStage::new("jacked").options(tight);
+    let jacked = SceneStage::new("jacked").with_options(tight);
     let scene = read(&folder, &[MATERIALS, &rollers()].concat()).unwrap();
     let scene = scene.stage(jacked.temporary_load(jack, "after"));
-    let found = displacements(scene.stage(SceneStage::new("after").options(tight)));
+    let found = displacements(scene.stage(SceneStage::new("after").with_options(tight)));
     let moved = apart(ground, &found[1]);
     assert!(moved > 1e-4, "{moved:e}");
     assert!(apart(ground, &found[2]) < 1e-8 * moved);

@@ -178,12 +178,13 @@ fn ground(mesh: Mesh) -> Scene {
         .part(Part::new("inner", rock))
         .part(Part::new("lining", concrete))
         .gravity(Vec3::new(0.0, 0.0, -9.81), |_: f64| 1.0)
-        .in_situ_stress(InSituStress::Field(field))
-        .boundary(
-            Boundary::new(ViscousSpring::default(), SIDES).scatterer(Vec3::new(6.0, 5.0, 10.0)),
+        .with_in_situ_stress(InSituStress::Field(field))
+        .with_boundary(
+            Boundary::new(ViscousSpring::default(), SIDES)
+                .with_scatterer(Vec3::new(6.0, 5.0, 10.0)),
         )
-        .duration(0.4)
-        .output(output)
+        .with_duration(0.4)
+        .with_output(output)
 }
 
 /// The first stage on rollers.
@@ -223,7 +224,7 @@ fn stages_of_a_file_are_those_of_rust() {
     let push = NodalForce::new(nodes, Vec3::new(1e4, 0.0, 0.0), Box::new(ricker));
     let twin = ground(mesh.clone())
         .load(push)
-        .bolts(SceneBolts {
+        .with_bolts(SceneBolts {
             name: "anchors".into(),
             place: BoltPlace::Pattern {
                 facets: "top".into(),
@@ -235,7 +236,7 @@ fn stages_of_a_file_are_those_of_rust() {
             },
             parameters: steel(0.25 * core::f64::consts::PI * 0.025_f64.powi(2), 200e9, 5e4),
         })
-        .bolts(SceneBolts {
+        .with_bolts(SceneBolts {
             name: "nail".into(),
             place: BoltPlace::Lines(vec![BoltLine {
                 head: Vec3::new(9.0, 5.0, 12.0),
@@ -248,7 +249,7 @@ fn stages_of_a_file_are_those_of_rust() {
             SceneStage::new("trench")
                 .excavate("trench")
                 .install("nail")
-                .options(
+                .with_options(
                     StaticOptions::default()
                         .with_release(0.6)
                         .with_increments(2),
@@ -259,7 +260,7 @@ fn stages_of_a_file_are_those_of_rust() {
                 .cast("lining")
                 .install("anchors")
                 .load(pressure.unwrap())
-                .options(StaticOptions::default().with_tolerance(1e-10)),
+                .with_options(StaticOptions::default().with_tolerance(1e-10)),
         );
     let twin = run(twin);
     assert_eq!(file.stages, twin.stages);
@@ -381,10 +382,7 @@ impl StageSink for Shown {
 fn seen(scene: Scene) -> (Vec<Seen>, Results) {
     let shown = Shown::default();
     let kept = shown.0.clone();
-    let hooks = RunHooks {
-        stages: Some(Box::new(shown)),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_stages(Box::new(shown));
     let found = scene.prepare().unwrap().run(hooks).unwrap();
     let kept = core::mem::take(&mut *kept.lock().unwrap());
     (kept, found)
@@ -402,7 +400,7 @@ fn stages_are_shown_as_they_come_to_rest() {
         ends: false,
     };
     let scene = ground(mesh.clone())
-        .in_situ_stress(InSituStress::Elements(field.of_elements(&mesh)))
+        .with_in_situ_stress(InSituStress::Elements(field.of_elements(&mesh)))
         .stage(on_rollers(&mesh))
         .stage(
             SceneStage::new("filled")
@@ -550,14 +548,8 @@ law = "tied"
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
     let out = ResultFolder::new(folder.0.join("out"));
     let (mesh, planned) = (simulation.mesh().clone(), simulation.result_files());
-    let notes = RunNotes {
-        remarks: simulation.remarks().to_vec(),
-        ..RunNotes::default()
-    };
-    let hooks = RunHooks {
-        stages: Some(out.stages(&simulation).unwrap()),
-        ..RunHooks::default()
-    };
+    let notes = RunNotes::new(simulation.remarks().to_vec());
+    let hooks = RunHooks::default().with_stages(out.stages(&simulation).unwrap());
     let found: Results = simulation.run(hooks).unwrap();
     let written = out.write(("trench", &mesh), &found, &notes, None).unwrap();
     // Every file is in the list of expected files, so that it can be tested before the run.
@@ -628,13 +620,14 @@ fn misfits_of_stages_are_refused() {
     let (_, source) = refused(
         ground(mesh.clone())
             .stage(on_rollers(&mesh))
-            .start(0.0, start),
+            .with_start_time(0.0)
+            .with_initial_motion(start),
     );
     assert_eq!(source, StagingError::InMotion);
     let few = InSituStress::Elements(vec![Stress::default(); 3]);
     let (_, source) = refused(
         ground(mesh.clone())
-            .in_situ_stress(few)
+            .with_in_situ_stress(few)
             .stage(on_rollers(&mesh)),
     );
     let (found, expected) = (3, 180);
@@ -662,7 +655,7 @@ fn misfits_of_stages_are_refused() {
     let options = SurfaceOptions::within(1e-6).unwrap();
     let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options);
     let law = BondedCoulomb::unbonded(0.7, 0.7).unwrap();
-    let joint = SceneJoint::new("seam", surface.unwrap(), law).preload(Preload::Pressure(1e5));
+    let joint = SceneJoint::new("seam", surface.unwrap(), law).with_preload(Preload::Pressure(1e5));
     let (_, source) = refused(
         ground(split.mesh.clone())
             .joint(joint)

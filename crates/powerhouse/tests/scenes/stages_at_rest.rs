@@ -79,11 +79,9 @@ fn a_stage_may_be_interrupted() {
     let first = first.replace("part = [{ set = \"lining\", material = \"rock\" }]\n", "");
     let text = [MATERIALS, &first].concat();
     let stop = Arc::new(AtomicBool::new(false));
-    let hooks = RunHooks {
-        stop: Some(stop.clone()),
-        stages: Some(Box::new(Raise(stop))),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default()
+        .with_stop(stop.clone())
+        .with_stages(Box::new(Raise(stop)));
     let ended = read(&folder, &text).unwrap().prepare().unwrap().run(hooks);
     assert!(
         matches!(&ended, Err(Error::Interrupted { stage }) if stage == "trench"),
@@ -259,7 +257,7 @@ fn ground_has_no_stress_above_its_level() {
         assert_eq!(warned, level < height);
         let stresses = Stresses::default();
         simulation
-            .bring_to_rest(None, Some(Box::new(stresses.clone())))
+            .equilibrate(None, Some(Box::new(stresses.clone())))
             .unwrap();
         // The weight above an element: what its own ground left out, elastic under fixed sides.
         for (z, stress) in stresses.0.lock().unwrap().iter() {

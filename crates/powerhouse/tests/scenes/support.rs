@@ -114,14 +114,14 @@ pub(crate) fn cube_scene_made_of(mesh: Mesh, sets: &[&str], material: &Material)
     let centre = Vec3::new(150.0, 150.0, 0.0);
     let mut output = OutputPlan::default().history("surface", centre, Motion::ALL);
     output.every = 0.01;
-    let part = |set: &&str| Part::new(*set, material.clone()).kernel(SolidKernel::Hex8Full);
+    let part = |set: &&str| Part::new(*set, material.clone()).with_kernel(SolidKernel::Hex8Full);
     sets.iter()
         .map(part)
         .fold(Scene::new("cube", mesh), Scene::part)
-        .field(PlaneWave::new(parameters, pulse).unwrap())
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre))
-        .duration(0.6)
-        .output(output)
+        .with_field(PlaneWave::new(parameters, pulse).unwrap())
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(centre))
+        .with_duration(0.6)
+        .with_output(output)
 }
 
 pub(crate) fn run(scene: Scene) -> Results {

@@ -51,7 +51,7 @@ fn a_quiet_start_keeps_waves_in_step() {
     assert_eq!(padding(&past), Some(later));
     let points = [Vec3::new(150.0, 150.0, 0.0), Vec3::new(20.0, 70.0, -200.0)];
     let motion = |scene: &Scene, time: f64| {
-        let sampler = scene.incident_field().unwrap().prepare(&points).unwrap();
+        let sampler = scene.field().unwrap().prepare(&points).unwrap();
         let mut motion = [FieldMotion::default(); 2];
         sampler.add_motion(time, &mut motion);
         motion.map(|m| m.displacement)
@@ -157,12 +157,12 @@ fn wave(parameters: PlaneWaveParameters) -> PlaneWave {
 fn scene_of(field: impl IncidentField + 'static, faces: &[&str]) -> Scene {
     Scene::new("cube", cube())
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
-        .field(field)
-        .boundary(Boundary::new(
+        .with_field(field)
+        .with_boundary(Boundary::new(
             ViscousSpring::default(),
             faces.iter().copied(),
         ))
-        .duration(0.6)
+        .with_duration(0.6)
 }
 
 fn warnings(simulation: &Simulation) -> Vec<&Remark> {
@@ -175,12 +175,21 @@ fn warnings(simulation: &Simulation) -> Vec<&Remark> {
 fn composed_scenes_are_guarded_too() {
     let scene = || scene_of(wave(vertical(WaveKind::SV)), &SIDES);
     assert!(warnings(&scene().prepare().unwrap()).is_empty());
-    let early = scene().start(0.2, InitialMotion::Rest).prepare();
+    let early = scene()
+        .with_start_time(0.2)
+        .with_initial_motion(InitialMotion::Rest)
+        .prepare();
     assert!(matches!(
         early,
         Err(Error::NotAtRest { level, time: 0.2, .. }) if level > 0.1
     ));
-    assert!(scene().start(0.2, InitialMotion::Field).prepare().is_ok());
+    assert!(
+        scene()
+            .with_start_time(0.2)
+            .with_initial_motion(InitialMotion::Field)
+            .prepare()
+            .is_ok()
+    );
     // Past the critical angle the field begins before its pulse.
     let mut parameters = vertical(WaveKind::SV);
     parameters.incidence = Angle::from_degrees(42.0);
@@ -199,9 +208,9 @@ fn composed_scenes_are_guarded_too() {
         stiffness: 0.0,
     };
     let damped = Scene::new("damped", cube())
-        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))).damping(damping))
-        .field(wave(vertical(WaveKind::P)))
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES))
+        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))).with_damping(damping))
+        .with_field(wave(vertical(WaveKind::P)))
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES))
         .prepare()
         .unwrap();
     let rim = Remark::DampedRim { set: "rock".into() };
@@ -268,10 +277,10 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
         let mesh = cube().map_positions(lowered).unwrap();
         let rock = Material::from(LinearElastic::new(ROCK));
         Scene::new("valley", mesh)
-            .part(Part::new("rock", rock).kernel(SolidKernel::Hex8Full))
-            .field(field(30.0, 0.0))
-            .boundary(Boundary::new(Viscous::default(), SIDES))
-            .duration(0.6)
+            .part(Part::new("rock", rock).with_kernel(SolidKernel::Hex8Full))
+            .with_field(field(30.0, 0.0))
+            .with_boundary(Boundary::new(Viscous::default(), SIDES))
+            .with_duration(0.6)
     };
     assert!(share(valley(0.0)).unwrap() > 0.03);
     let hidden = cube().map_positions(|x| {
@@ -282,9 +291,9 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
     });
     let inside = Scene::new("hollow", hidden.unwrap())
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
-        .field(field(30.0, 0.0))
-        .boundary(Boundary::new(Viscous::default(), SIDES))
-        .duration(0.6);
+        .with_field(field(30.0, 0.0))
+        .with_boundary(Boundary::new(Viscous::default(), SIDES))
+        .with_duration(0.6);
     assert_eq!(share(inside), None);
 }
 
@@ -338,20 +347,20 @@ fn faces_inside_and_idle_fields_are_refused() {
     let rock = || Part::new("rock", Material::from(LinearElastic::new(ROCK)));
     let inner = Scene::new("inner", mesh)
         .part(rock())
-        .boundary(Boundary::new(Viscous::default(), ["middle"]));
+        .with_boundary(Boundary::new(Viscous::default(), ["middle"]));
     let refused = inner.prepare().err();
     assert!(matches!(refused, Some(Error::InnerFacet { face, .. }) if face == "middle"));
     let idle = Scene::new("idle", cube())
         .part(rock())
-        .field(wave(vertical(WaveKind::SV)));
+        .with_field(wave(vertical(WaveKind::SV)));
     assert!(matches!(idle.prepare(), Err(Error::UnusedField { .. })));
     let silent = Viscous {
         input: InputMode::Nothing,
     };
     let silent = Scene::new("silent", cube())
         .part(rock())
-        .field(wave(vertical(WaveKind::SV)))
-        .boundary(Boundary::new(silent, SIDES));
+        .with_field(wave(vertical(WaveKind::SV)))
+        .with_boundary(Boundary::new(silent, SIDES));
     assert!(matches!(silent.prepare(), Err(Error::UnusedField { .. })));
     // In a file the same error is at the wave.
     let nothing = "kind = \"viscous-spring\"\ninput = \"nothing\"";

@@ -28,7 +28,7 @@ impl Band {
     /// # Errors
     /// [`StudyError::StillField`] for a field that does not move the surface within the duration of the run.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
-        let duration = scene.run_duration();
+        let duration = scene.duration();
         let spectrum = incoming(scene)?.unwrap_or_default();
         // Energies of velocity, without periods longer than the run.
         let velocity: Vec<(f64, f64)> = (spectrum.into_iter())

@@ -41,7 +41,7 @@ mod setting;
 mod shell;
 
 pub use band::Band;
-pub use candidate::{BoundaryKind, Surroundings};
+pub use candidate::{BoundaryKind, RegisteredBoundary, Surroundings};
 pub(crate) use room::{Bounds, BoxReduction, kind_of};
 pub use room::{BoxAdvice, NearerFaces, Obstacle, advise_box};
 pub(crate) use setting::inner_free_surface;
@@ -50,7 +50,7 @@ pub use setting::{ArrivingWave, BoundaryProblem, Excitation};
 use std::sync::Arc;
 
 use powerhouse::boundary::Spreading;
-use powerhouse::model::{AbsorbingBoundary, ParameterError};
+use powerhouse::model::{AbsorbingBoundary, ModelError, ParameterError};
 use powerhouse::{Error, Scene};
 
 use crate::StudyError;
@@ -89,7 +89,7 @@ pub struct Candidate {
 }
 
 /// Predicted error with the absorbing faces moved outwards.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FartherFaces {
     /// Kind of boundary on these faces.
     pub kind: BoundaryKind,
@@ -97,6 +97,25 @@ pub struct FartherFaces {
     pub times: f64,
     /// Predicted relative error at these distances.
     pub predicted: f64,
+}
+
+/// A registered boundary that is no candidate.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LeftOut {
+    /// Its name in the registry.
+    pub name: String,
+    /// Why it is none.
+    pub reason: String,
+}
+
+impl LeftOut {
+    fn new(name: &str, reason: &str) -> Self {
+        Self {
+            name: name.into(),
+            reason: reason.into(),
+        }
+    }
 }
 
 /// Comparison of absorbing boundaries for a scene, with the recommended one.
@@ -118,6 +137,8 @@ pub struct BoundaryAdvice {
     pub model: Option<[usize; 2]>,
     /// Highest frequency (Hz) that the substitute model resolves.
     pub highest: f64,
+    /// Boundaries of the scene's registry that are no candidates, and why.
+    pub left_out: Vec<LeftOut>,
     /// Names of the bottom faces.
     bottom: Vec<String>,
     faces: Vec<String>,
@@ -136,7 +157,7 @@ impl BoundaryAdvice {
     ///
     /// # Errors
     /// A face at the scatterer itself, where the distance is zero.
-    pub fn condition(&self, kind: BoundaryKind) -> Result<Arc<dyn AbsorbingBoundary>, StudyError> {
+    pub fn condition(&self, kind: &BoundaryKind) -> Result<Arc<dyn AbsorbingBoundary>, StudyError> {
         let condition = kind.condition(&self.surroundings, &self.bottom);
         Ok(condition.map_err(Error::from)?)
     }
@@ -147,26 +168,40 @@ impl BoundaryAdvice {
 ///
 /// # Errors
 /// A scene without an absorbing boundary or without excitation; a field that is not declared as a sum of plane
-/// waves ([`Scene::plane_waves`]); faces too near to the scatterer for the substitute model.
+/// waves ([`Scene::with_plane_waves`]); faces too near to the scatterer for the substitute model.
 pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
     let problem = BoundaryProblem::of(scene)?;
-    let faces = scene
-        .absorbing_boundary()
-        .map_or(Vec::new(), |b| b.faces.clone());
+    let faces = scene.boundary().map_or(Vec::new(), |b| b.faces.clone());
     let bottom = bottom_faces(scene)?;
-    let kinds: Vec<BoundaryKind> = (BoundaryKind::ALL.into_iter())
+    // A static load would make a body on dashpots drift.
+    let holds = |kind: &BoundaryKind| kind.resists_static_loads() || !scene.is_loaded_for_good();
+    let mut kinds: Vec<BoundaryKind> = (BoundaryKind::BUILT_IN.into_iter())
         .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&problem, &bottom))
-        // A static load would make a body on dashpots drift.
-        .filter(|kind| kind.resists_static_loads() || !scene.is_loaded_for_good())
+        .filter(holds)
         .collect();
-    let found = predictions(&problem, 1.0, &kinds)?;
+    let mut found = predictions(&problem, 1.0, &kinds)?;
     let distances = problem.least_distances();
     let surroundings = Surroundings {
         medium: problem.medium,
         spreading: problem.spreading,
         distances,
     };
+    let mut left_out = Vec::new();
+    for name in scene
+        .registry()
+        .iter()
+        .flat_map(|all| all.added_boundary_names())
+    {
+        match registered(scene, name, &problem, &surroundings) {
+            Ok((kind, error)) if holds(&kind) => {
+                kinds.push(kind);
+                found.errors.push(error);
+            }
+            Ok(_) => left_out.push(LeftOut::new(name, "it does not hold the body")),
+            Err(error) => left_out.push(LeftOut::new(name, &error.to_string())),
+        }
+    }
     let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
     let mean = match &problem.excitation {
         Excitation::Waves { band, .. } => band.mean(),
@@ -178,7 +213,7 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
     let mut candidates = Vec::with_capacity(kinds.len());
     for (kind, predicted) in kinds.iter().zip(&found.errors) {
         candidates.push(Candidate {
-            kind: *kind,
+            kind: kind.clone(),
             predicted: *predicted,
             nanoseconds,
             share_of_step,
@@ -197,6 +232,7 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
         farther: None,
         model: found.model,
         highest: found.highest,
+        left_out,
         bottom,
         faces,
         surroundings,
@@ -206,6 +242,23 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
         advice.farther = farther(&advice)?;
     }
     Ok(advice)
+}
+
+/// A registered boundary, and the error that it is predicted to make.
+fn registered(
+    scene: &Scene,
+    name: &str,
+    problem: &BoundaryProblem,
+    surroundings: &Surroundings,
+) -> Result<(BoundaryKind, f64), StudyError> {
+    let condition = (scene.registry())
+        .and_then(|registry| registry.boundary_without_keys(name))
+        .ok_or_else(|| ModelError::refused(name, "it needs keys of its own"))
+        .map_err(Error::from)?;
+    let boundary = RegisteredBoundary::new(name, condition, surroundings).map_err(Error::from)?;
+    let kind = BoundaryKind::Registered(boundary);
+    let predicted = predicted_error(problem, 1.0, &kind)?;
+    Ok((kind, predicted))
 }
 
 /// Sorts the candidates, best first; the stable sort keeps the simpler of equal ones first.
@@ -292,9 +345,10 @@ fn predictions(
 pub(crate) fn predicted_error(
     problem: &BoundaryProblem,
     farther: f64,
-    kind: BoundaryKind,
+    kind: &BoundaryKind,
 ) -> Result<f64, StudyError> {
-    Ok(predictions(problem, farther, &[kind])?.errors[0])
+    let kind = core::slice::from_ref(kind);
+    Ok(predictions(problem, farther, kind)?.errors[0])
 }
 
 /// The least of the tried distances at which the best boundary meets the permitted error.
@@ -303,12 +357,12 @@ fn farther(advice: &BoundaryAdvice) -> Result<Option<FartherFaces>, StudyError> 
         return Ok(None);
     };
     for times in FARTHER {
-        let found = predictions(&advice.problem, times, &[best.kind])?;
-        if found.errors[0] <= advice.error {
+        let predicted = predicted_error(&advice.problem, times, &best.kind)?;
+        if predicted <= advice.error {
             return Ok(Some(FartherFaces {
-                kind: best.kind,
+                kind: best.kind.clone(),
                 times,
-                predicted: found.errors[0],
+                predicted,
             }));
         }
     }

@@ -236,14 +236,14 @@ impl Opening {
         let step = duration / (duration / stable).ceil();
         let run = |mesh: Mesh, boundary: Boundary| {
             let scene = self.scene(mesh, boundary, &input)?;
-            let results = scene.step(TimeStep::Seconds(step)).prepare()?;
+            let results = scene.with_step(TimeStep::Seconds(step)).prepare()?;
             Ok::<_, StudyError>(results.run(RunHooks::default())?.histories)
         };
         // The field enters both meshes at the same location: through the faces of the small one, and through the
         // elements behind them.
         let mut around = boundary(default);
         if input.wave.is_some() {
-            around = around.entering_around((0..counts[0] as u32).collect());
+            around = around.with_region((0..counts[0] as u32).collect());
         }
         let reference = run(wide, around)?;
         let of_kind = |kind: &BoundaryKind| {
@@ -274,11 +274,8 @@ impl Opening {
             |face: &str| -> Result<Vec<_>, StudyError> { Ok(mesh.facet_set(face)?.to_vec()) };
         let cuts = mesh.nodes_of_facets(&[facets("front")?, facets("back")?].concat());
         let opening = facets("opening")?;
-        let mut output = OutputPlan {
-            // At every step.
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        // At every step.
+        let mut output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         let wanted = Motion {
             displacement: true,
             velocity: input.wave.is_some(),
@@ -300,10 +297,10 @@ impl Opening {
         let [start, end] = input.window;
         let mut scene = Scene::new("opening", mesh)
             .part(Part::new("rock", rock))
-            .boundary(boundary)
-            .energy_residual(ResidualLimit::Unchecked)
-            .duration(end - start)
-            .output(output)
+            .with_boundary(boundary)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_duration(end - start)
+            .with_output(output)
             .allow_magnitudes();
         let is_antiplane = |wave: &PlaneWave| wave.parameters().kind == WaveKind::SH;
         if input.wave.as_ref().is_some_and(is_antiplane) {
@@ -315,7 +312,10 @@ impl Opening {
             scene = scene.support(Support::roller(cuts, Vec3::y()));
         }
         if let Some(wave) = &input.wave {
-            return Ok(scene.field(wave.clone()).start(start, InitialMotion::Rest));
+            return Ok(scene
+                .with_field(wave.clone())
+                .with_start_time(start)
+                .with_initial_motion(InitialMotion::Rest));
         }
         let rise = 0.5 * self.pulse();
         let history = move |time: f64| match time / rise {

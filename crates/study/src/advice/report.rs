@@ -138,6 +138,13 @@ impl fmt::Display for BoundaryAdvice {
                 }
             )?;
         }
+        for left_out in &self.left_out {
+            writeln!(
+                f,
+                "  {} is no candidate: {}",
+                left_out.name, left_out.reason
+            )?;
+        }
         writeln!(f, "\n{}", self.reason())?;
         match (self.recommended(), self.table()) {
             (Some(named), Some(table)) => {

@@ -2,9 +2,9 @@
 
 use core::fmt;
 
-use powerhouse::Scene;
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::model::{AbsorbingBoundary, BoundarySite, Facet, Mesh, ParameterError, Vec3};
+use powerhouse::{Scene, keys};
 
 use super::{BoundaryKind, BoundaryProblem, predicted_error};
 use crate::StudyError;
@@ -91,7 +91,7 @@ impl fmt::Display for BoxAdvice {
 
 /// The kind of a scene's boundary, for the prediction of its error.
 pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
-    if condition.name() == "viscous" {
+    if condition.name() == keys::VISCOUS {
         return BoundaryKind::Viscous;
     }
     let any = condition.as_any();
@@ -194,7 +194,7 @@ impl<'a> BoxReduction<'a> {
             left.push((*face, facets));
         }
         let site = BoundarySite::from_mesh(&cut, &left, |_| problem.medium, problem.centre, None);
-        let condition = scene.absorbing_boundary().map(|b| b.condition.build(&site));
+        let condition = scene.boundary().map(|b| b.condition.build(&site));
         match condition {
             Some(Err(reason)) => Err(Obstacle::Refused {
                 reason: reason.to_string(),
@@ -292,12 +292,12 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
     let reduction = BoxReduction::of(scene)?;
     let problem = &reduction.problem;
-    let boundary = scene.absorbing_boundary().ok_or(StudyError::NoBoundary)?;
+    let boundary = scene.boundary().ok_or(StudyError::NoBoundary)?;
     let kind = kind_of(boundary.condition.as_ref());
     let mut advice = BoxAdvice {
         title: scene.title().to_owned(),
         error,
-        unchanged: predicted_error(problem, 1.0, kind)?,
+        unchanged: predicted_error(problem, 1.0, &kind)?,
         elements: scene.mesh().element_count(),
         nearer: None,
         obstacle: None,
@@ -314,7 +314,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
             }
         };
         // Faces too near for the substitute model.
-        let Ok(predicted) = predicted_error(problem, share, kind) else {
+        let Ok(predicted) = predicted_error(problem, share, &kind) else {
             break;
         };
         // Reflections may cancel by chance: nearer faces are never taken to have a smaller error than farther ones.

@@ -215,11 +215,11 @@ fn radius(mesh: &Mesh, nodes: &[u32], centre: &Vec3, long: Option<usize>) -> Opt
 
 /// The excitation of a scene.
 fn excitation(scene: &Scene) -> Result<Excitation, StudyError> {
-    let waves = scene.incident_waves();
-    if scene.incident_field().is_some() && waves.is_empty() {
+    let waves = scene.plane_waves();
+    if scene.field().is_some() && waves.is_empty() {
         return Err(StudyError::UnknownField);
     }
-    let duration = scene.run_duration();
+    let duration = scene.duration();
     if waves.is_empty() {
         return match scene.is_driven() {
             true => Ok(Excitation::Loads { duration }),

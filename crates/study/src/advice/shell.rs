@@ -97,7 +97,9 @@ impl Shell {
         let stable = STEP_SHARE * simulation.stable_step()?.step;
         let step = self.duration / (self.duration / stable).ceil();
         let run = |mesh: Mesh, condition: Arc<dyn AbsorbingBoundary>| {
-            let scene = self.scene(mesh, condition)?.step(TimeStep::Seconds(step));
+            let scene = self
+                .scene(mesh, condition)?
+                .with_step(TimeStep::Seconds(step));
             let results = scene.prepare()?.run(RunHooks::default())?;
             Ok::<_, StudyError>(results.histories)
         };
@@ -138,10 +140,7 @@ impl Shell {
         let wall = mesh.facet_set("wall")?.to_vec();
         let pressure = FacePressure::new(&mesh, &wall, Profile::Uniform, Box::new(history));
         let pressure = pressure.map_err(|error| Error::from(ModelError::from(error)))?;
-        let output = OutputPlan {
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        let output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         let output = output.history(
             "wall",
             Vec3::new(self.inner, 0.0, 0.0),
@@ -150,11 +149,11 @@ impl Shell {
         let rock = Material::from(LinearElastic::new(self.surroundings.medium));
         let scene = Scene::new("cavity", mesh)
             .part(Part::new("rock", rock))
-            .boundary(Boundary::new(condition, ["outside"]).scatterer(Vec3::zeros()))
+            .with_boundary(Boundary::new(condition, ["outside"]).with_scatterer(Vec3::zeros()))
             .load(pressure)
-            .energy_residual(ResidualLimit::Unchecked)
-            .duration(self.duration)
-            .output(output)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_duration(self.duration)
+            .with_output(output)
             .allow_magnitudes();
         Ok(supports.into_iter().fold(scene, Scene::support))
     }

@@ -198,7 +198,7 @@ impl FormatError {
 
     /// The number format of a scene with its documented error; `None` for double precision.
     fn documented(scene: &Scene) -> Option<(&'static str, f64)> {
-        match scene.number_format() {
+        match scene.precision() {
             Precision::F64 => None,
             Precision::Mixed => Some(("mixed", MIXED_ERROR)),
             Precision::F32 => Some(("f32", SINGLE_ERROR)),
@@ -220,12 +220,17 @@ impl FormatError {
             (Some(obstacle), _) => PredictedError::unknown(obstacle),
             (None, None) => PredictedError::unknown(NO_FILE),
             (None, Some(files)) => match files.own.prepare(files.own.duration) {
-                None => PredictedError::unknown("the scene cannot be run"),
-                Some(mut simulation) => {
+                Err(_) => PredictedError::unknown("the scene cannot be run"),
+                Ok(mut simulation) => {
                     let step = simulation.step()?;
                     let of_step = StepTimer::of(&mut simulation)?.time_of_step()?;
                     drop(simulation);
-                    let window = Window::of(files.own.clone(), &facts, (of_step, step), 1);
+                    let timing = RunTiming {
+                        step,
+                        steps: (files.own.duration / step).ceil() as u64 + 1,
+                        of_step,
+                    };
+                    let window = Window::of(files.own.clone(), &facts, &timing, 1);
                     against_double(files, &window)
                 }
             },
@@ -253,6 +258,52 @@ impl fmt::Display for FormatError {
             "number format \"{format}\" against double precision: {error}"
         )
     }
+}
+
+/// A change that could save much, but with which the scene is refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RefusedChange {
+    /// The change.
+    pub change: Change,
+    /// What refuses the changed scene.
+    pub reason: String,
+}
+
+impl RefusedChange {
+    fn new(change: Change, error: &StudyError) -> Self {
+        let reason = match error {
+            // Lines and columns are those of the changed text, which nobody sees.
+            StudyError::Scene(powerhouse::Error::Scene(fault)) => fault.problem().to_string(),
+            error => error.to_string(),
+        };
+        Self { change, reason }
+    }
+}
+
+impl fmt::Display for RefusedChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: refused, {}", self.change, self.reason)
+    }
+}
+
+/// Steps of a run.
+#[derive(Clone, Copy)]
+pub(crate) struct RunTiming {
+    /// Their length (s).
+    pub(crate) step: f64,
+    /// Their number.
+    pub(crate) steps: u64,
+    /// Wall time of one.
+    pub(crate) of_step: Duration,
+}
+
+/// Changes that save, and the error of the number format.
+pub(crate) struct Savings {
+    /// Those that save most, the best first.
+    pub(crate) best: Vec<Saving>,
+    pub(crate) refused: Vec<RefusedChange>,
+    pub(crate) format: Option<FormatError>,
 }
 
 /// Saving of wall time by a change, with the error of the change.
@@ -306,7 +357,7 @@ impl Survey {
         let (low, high) = scene.mesh().bounding_box();
         let speeds = resolution.iter().map(|part| part.s_speed);
         // Without incident motion no frequency limits the size of elements.
-        let band = match scene.incident_field() {
+        let band = match scene.field() {
             Some(_) => Band::of(scene).ok(),
             None => None,
         };
@@ -321,34 +372,39 @@ impl Survey {
         })
     }
 
-    /// The changes that save most, the best first, and the error of the scene's number format; a run has `steps` steps
-    /// of a length `step` (s), each of which takes the wall time `of_step`.
+    /// The changes that save most, those that are refused, and the error of the scene's number format.
     pub(crate) fn best(
         self,
         stable: &StableStep,
         resolution: &[Resolution],
         clock: &mut StepTimer,
-        (step, steps, of_step): (f64, u64, Duration),
-    ) -> (Vec<Saving>, Option<FormatError>) {
+        timing: &RunTiming,
+    ) -> Savings {
         let elements = self.elements;
-        let mut savings = self.of_shape;
+        let (mut savings, mut refused) = (self.of_shape, Vec::new());
         if let Some(highest) = self.highest {
-            savings.extend(whole_step(stable, step, (highest, self.crossing)));
-            let larger = larger_elements(stable, resolution, (highest, self.crossing), elements);
+            let waves = Passage {
+                highest,
+                crossing: self.crossing,
+            };
+            savings.extend(whole_step(stable, timing.step, waves));
+            let larger = larger_elements(stable, resolution, waves, elements);
             savings.extend(larger);
         }
         let mut error = PredictedError::unknown(NO_FILE);
         if let Some(mut files) = self.files {
             let variants = core::mem::take(&mut files.variants);
             let windows = variants.len() + usize::from(self.format.is_some());
-            let window = Window::of(files.own.clone(), &self.facts, (of_step, step), windows);
+            let window = Window::of(files.own.clone(), &self.facts, timing, windows);
             if self.format.is_some() {
                 error = against_double(&files, &window);
             }
-            savings.extend(
-                (variants.into_iter())
-                    .filter_map(|variant| variant.saving((clock, steps), of_step, &window)),
-            );
+            for variant in variants {
+                match variant.saving(clock, timing, &window) {
+                    Ok(saving) => savings.extend(saving),
+                    Err(change) => refused.push(change),
+                }
+            }
         }
         let format = self.format.map(|(format, documented)| FormatError {
             format,
@@ -358,15 +414,28 @@ impl Survey {
         savings.retain(|saving| saving.time <= 1.0 - LEAST);
         savings.sort_by(|a, b| a.time.total_cmp(&b.time));
         savings.truncate(MOST);
-        (savings, format)
+        Savings {
+            best: savings,
+            refused,
+            format,
+        }
     }
+}
+
+/// Waves on their way through the body.
+#[derive(Clone, Copy)]
+struct Passage {
+    /// Highest frequency that counts (Hz).
+    highest: f64,
+    /// Time of shear waves through the body (s).
+    crossing: f64,
 }
 
 /// Saving by a step equal to the stable one. Central differences shorten periods by `(w dt)^2 / 24`; the error is the
 /// phase shift of waves of the highest frequency through the body.
-fn whole_step(stable: &StableStep, step: f64, (highest, crossing): (f64, f64)) -> Option<Saving> {
+fn whole_step(stable: &StableStep, step: f64, waves: Passage) -> Option<Saving> {
     let share = step / stable.step;
-    let rate = TAU * highest;
+    let (rate, crossing) = (TAU * waves.highest, waves.crossing);
     (share < 1.0).then(|| Saving {
         change: Change::WholeStep,
         steps: share,
@@ -387,7 +456,7 @@ fn whole_step(stable: &StableStep, step: f64, (highest, crossing): (f64, f64)) -
 fn larger_elements(
     stable: &StableStep,
     resolution: &[Resolution],
-    (highest, crossing): (f64, f64),
+    waves: Passage,
     elements: usize,
 ) -> Option<Saving> {
     let times = stable.next_set_bound? / stable.element_bound;
@@ -397,7 +466,7 @@ fn larger_elements(
     if !(times > WORTH && few && by_size) {
         return None;
     }
-    let rate = TAU * highest;
+    let (rate, crossing) = (TAU * waves.highest, waves.crossing);
     let wave_number = rate / of_set.s_speed;
     // Few small elements share nodal masses with others, so that the step is longer than their own bound.
     let steps = stable.step / (ASSEMBLED * stable.next_set_bound?);

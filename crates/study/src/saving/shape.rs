@@ -49,8 +49,8 @@ fn of_elements(change: Change, elements: f64, error: PredictedError) -> Saving {
 /// Whether all waves are P and SV waves that travel normal to an axis; false for a field that is not declared as a sum
 /// of plane waves.
 fn travels_across(scene: &Scene, axis: Axis) -> bool {
-    let waves = scene.incident_waves();
-    let known = scene.incident_field().is_none() || !waves.is_empty();
+    let waves = scene.plane_waves();
+    let known = scene.field().is_none() || !waves.is_empty();
     known
         && waves.iter().all(|wave| {
             let parameters = wave.parameters();
@@ -220,7 +220,7 @@ fn images(mesh: &Mesh, axis: Axis, at: f64) -> Option<Vec<u32>> {
 
 /// Saving by faces nearer to the scatterer, with the error that the substitute model predicts.
 fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
-    let Some(boundary) = scene.absorbing_boundary() else {
+    let Some(boundary) = scene.boundary() else {
         return Ok(None);
     };
     let kind = kind_of(boundary.condition.as_ref());
@@ -232,7 +232,7 @@ fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     if problem.radius.is_none() {
         return Ok(None);
     }
-    let Ok(predicted) = predicted_error(problem, NEARER, kind) else {
+    let Ok(predicted) = predicted_error(problem, NEARER, &kind) else {
         return Ok(None);
     };
     // A box that the mesh does not allow.

@@ -4,16 +4,31 @@ use powerhouse::Scene;
 use toml::Table;
 
 use super::window::{ErrorGrowth, SceneFile, Window};
-use super::{Change, PredictedError, Saving};
+use super::{Change, PredictedError, RefusedChange, RunTiming, Saving};
+use crate::StudyError;
 use crate::cost::StepTimer;
-use crate::trade::{Factor, factors};
+use crate::trade::{Factor, factor, factors};
 
-/// Changes as levels of factors of a trade study: change, factor and level.
-static CHANGES: [(Change, &str, &str); 3] = [
-    (Change::Mixed, "precision", "mixed"),
-    (Change::OnePoint, "kernel", "hex8-one-point"),
-    (Change::FlatDamping, "damping", "flat"),
-];
+/// A change, with the factor and the level of it that a trade has.
+struct ChangeOfLevel {
+    change: Change,
+    factor: &'static str,
+    level: &'static str,
+}
+
+/// The changes that are made in a scene's file.
+fn changes() -> [ChangeOfLevel; 3] {
+    let of = |change, factor, level| ChangeOfLevel {
+        change,
+        factor,
+        level,
+    };
+    [
+        of(Change::Mixed, factor::PRECISION, factor::MIXED),
+        of(Change::OnePoint, factor::KERNEL, factor::one_point()),
+        of(Change::FlatDamping, factor::DAMPING, factor::FLAT),
+    ]
+}
 
 /// The files of a scene, unchanged and with single changes.
 pub(super) struct Files {
@@ -35,22 +50,24 @@ impl Files {
         let (Some(source), None) = (scene.source(), scene.case()) else {
             return None;
         };
+        let registry = scene.registry()?;
         let mut table = source.text.parse::<Table>().ok()?;
         table.remove("case");
         let file = |table: &Table| {
             Some(SceneFile {
                 text: toml::to_string(table).ok()?,
                 path: source.path.clone(),
-                duration: scene.run_duration(),
-                threads: scene.thread_count(),
+                duration: scene.duration(),
+                threads: scene.threads(),
+                registry: registry.clone(),
             })
         };
         let factors = factors(scene, &table);
-        let variants = CHANGES.iter().filter_map(|(change, factor, level)| {
-            let factor = factors.iter().find(|other| other.name == *factor)?;
-            let changed = with_level(&table, factor, level)?;
+        let variants = changes().into_iter().filter_map(|of| {
+            let factor = factors.iter().find(|other| other.name == of.factor)?;
+            let changed = with_level(&table, factor, of.level)?;
             Some(Variant {
-                change: change.clone(),
+                change: of.change,
                 file: file(&changed)?,
             })
         });
@@ -66,23 +83,38 @@ impl Files {
 }
 
 impl Variant {
-    /// The saving by the change, against a scene with a timer and a number of steps; `None` if the changed scene cannot
-    /// be run, or either run has too few steps to be timed.
+    /// What the change saves of the scene as it stands; nothing if either run has too few steps to be timed.
+    ///
+    /// # Errors
+    /// The change with the reason, if the changed scene is refused.
     pub(super) fn saving(
         self,
-        (own, steps): (&mut StepTimer, u64),
-        of_step: core::time::Duration,
+        own: &mut StepTimer,
+        timing: &RunTiming,
         window: &Window,
-    ) -> Option<Saving> {
+    ) -> Result<Option<Saving>, RefusedChange> {
+        let change = self.change.clone();
+        let found = self.timed(own, timing, window);
+        found.map_err(|error| RefusedChange::new(change, &error))
+    }
+
+    fn timed(
+        self,
+        own: &mut StepTimer,
+        timing: &RunTiming,
+        window: &Window,
+    ) -> Result<Option<Saving>, StudyError> {
         let duration = self.file.duration;
         let scene = self.file.scene(duration)?;
         let (deviation, unstaged) = (deviation(&scene), scene.stages().is_empty());
         let nonlinear = scene.parts().iter().any(|part| !part.material.is_linear());
-        let mut simulation = scene.prepare().ok()?;
-        let step = simulation.step().ok()?;
-        let steps = ((duration / step).ceil() + 1.0) / steps as f64;
-        let mut clock = StepTimer::of(&mut simulation).ok()?;
-        let ratio = clock.ratio_to(own, of_step).ok()??;
+        let mut simulation = scene.prepare()?;
+        let step = simulation.step()?;
+        let steps = ((duration / step).ceil() + 1.0) / timing.steps as f64;
+        let mut clock = StepTimer::of(&mut simulation)?;
+        let Some(ratio) = clock.ratio_to(own, timing.of_step)? else {
+            return Ok(None);
+        };
         let error = match self.change {
             Change::FlatDamping => PredictedError {
                 share: Some(deviation),
@@ -101,7 +133,7 @@ impl Variant {
                 }
             }
         };
-        Some(Saving {
+        Ok(Some(Saving {
             change: self.change,
             steps,
             elements: 1.0,
@@ -112,7 +144,7 @@ impl Variant {
                 (false, _) => "timed alternately without the stages and before anything yields",
             },
             error,
-        })
+        }))
     }
 }
 

@@ -21,9 +21,9 @@ use std::time::Duration;
 
 use powerhouse::io::TableColumn;
 use powerhouse::model::{FieldMotion, Vec3};
-use powerhouse::{RunHooks, Scene, Simulation, TimeStep};
+use powerhouse::{Error, Registry, RunHooks, Scene, Simulation, TimeStep};
 
-use crate::registry;
+use super::RunTiming;
 use crate::trade::{Misfit, columns, misfits};
 
 /// Share of a run's wall time that is spent on its window, and least wall time of all windows together.
@@ -37,25 +37,34 @@ const SHORTER: f64 = 0.998;
 const LEAST_SHARE: f64 = 1e-9;
 
 /// Text of a scene's file, with settings of the scene that replace those of the file.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct SceneFile {
     pub(crate) text: String,
     pub(crate) path: PathBuf,
     pub(crate) duration: f64,
     pub(crate) threads: Option<usize>,
+    /// The names that the scene was read with.
+    pub(crate) registry: Registry,
 }
 
 impl SceneFile {
-    /// The scene with a duration (s), ready to run; `None` if it is invalid.
-    pub(crate) fn prepare(&self, duration: f64) -> Option<Simulation> {
-        self.scene(duration)?.prepare().ok()
+    /// The scene for some time (s), ready to run.
+    ///
+    /// # Errors
+    /// A scene that is refused.
+    pub(crate) fn prepare(&self, duration: f64) -> Result<Simulation, Error> {
+        self.scene(duration)?.prepare()
     }
 
-    pub(crate) fn scene(&self, duration: f64) -> Option<Scene> {
-        let scene = Scene::from_toml(self.text.clone(), self.path.clone(), &registry()).ok()?;
-        let scene = scene.duration(duration);
-        Some(match self.threads {
-            Some(threads) => scene.threads(threads),
+    /// The scene for some time (s).
+    ///
+    /// # Errors
+    /// A scene that is refused.
+    pub(crate) fn scene(&self, duration: f64) -> Result<Scene, Error> {
+        let scene = Scene::from_toml(self.text.clone(), self.path.clone(), &self.registry)?;
+        let scene = scene.with_duration(duration);
+        Ok(match self.threads {
+            Some(threads) => scene.with_threads(threads),
             None => scene,
         })
     }
@@ -124,14 +133,15 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// Runs the first part of a scene whose step takes the wall time `of_step` and has a length (s), for the comparison
-    /// with `others` further runs.
+    /// The first part of the run of a scene's file with steps of a timing; it will be compared with so many
+    /// others.
     pub(crate) fn of(
         file: SceneFile,
         facts: &SceneFacts,
-        (of_step, step): (Duration, f64),
+        timing: &RunTiming,
         others: usize,
     ) -> Self {
+        let RunTiming { of_step, step, .. } = *timing;
         let duration = file.duration;
         let run = of_step.mul_f64((duration / step).ceil());
         let spent = run.mul_f64(SHARE).max(LEAST.div_f64((others + 1) as f64));
@@ -256,7 +266,7 @@ fn first_half(table: &[TableColumn]) -> Vec<TableColumn> {
 /// The histories of the first part (s) of a run, with a given step (s) unless that is unstable; `None` if it cannot be
 /// run.
 fn histories(file: &SceneFile, length: f64, step: Option<f64>) -> Option<Vec<TableColumn>> {
-    let mut simulation = file.prepare(length)?;
+    let mut simulation = file.prepare(length).ok()?;
     if let Some(step) = step
         && step <= simulation.stable_step().ok()?.step
     {
@@ -277,7 +287,7 @@ pub(crate) struct SceneFacts {
 
 impl SceneFacts {
     pub(crate) fn of(scene: &Scene) -> Self {
-        let plan = scene.output_plan();
+        let plan = scene.output();
         let records = !plan.histories.is_empty()
             || !plan.relative.is_empty()
             || !plan.stresses.is_empty()
@@ -311,12 +321,12 @@ struct Intensities(Vec<[f64; 3]>);
 
 impl Intensities {
     fn of(scene: &Scene) -> Option<Self> {
-        let field = scene.incident_field()?;
+        let field = scene.field()?;
         let (low, high) = scene.mesh().bounding_box();
         let middle = 0.5 * (low + high);
         let centre = scene.scatterer().unwrap_or(middle).sup(&low).inf(&high);
         let sampler = field.prepare(&[centre]).ok()?;
-        let interval = scene.run_duration() / INSTANTS as f64;
+        let interval = scene.duration() / INSTANTS as f64;
         let mut before = Vec3::zeros();
         let squares = (0..=INSTANTS).map(|instant| {
             let mut motion = [FieldMotion::default()];

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::model::Mesh;
-use powerhouse::{EquilibratedBody, Scene};
+use powerhouse::{EquilibratedBody, Registry, Scene};
 
 use super::locked;
 use crate::StudyError;
@@ -77,11 +77,15 @@ impl BodyStore {
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
     sum.add(REVISION.as_bytes());
+    let version = scene.registry().map_or("", Registry::version);
+    if !version.is_empty() {
+        sum.add(version.as_bytes());
+    }
     add_mesh(&mut sum, scene.mesh());
     // The debug format contains nodes and directions.
     let supports = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());
     let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
-    let boundary = scene.absorbing_boundary();
+    let boundary = scene.boundary();
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
     let start = scene.start_time();
     sum.add(format!("{supports} {joints:?} {faces:?} {start:?}").as_bytes());

@@ -9,8 +9,7 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    Doubt, EquilibratedBody, Error, Fault, ResultFolder, RunHooks, RunNotes, Scene, SceneFault,
-    SceneText, Simulation, format,
+    Doubt, EquilibratedBody, Error, ResultFolder, RunHooks, RunNotes, Scene, SceneText, Simulation,
 };
 
 use super::at_rest::{self, BodyStore};
@@ -35,12 +34,11 @@ impl Sweep {
         bodies: &BodyStore,
     ) -> Result<CaseOutcome, StudyError> {
         let scene = self.scene_of(case)?;
-        let as_case = format::decode_case(&self.text, case);
-        let input = CaseInput::of(&as_case.map_err(|fault| self.fault(fault))?, case);
+        let input = CaseInput::of(scene.input());
         let path = self.folder.join(case);
         let folder = ResultFolder::new(&path);
         let text = scene.source().map(|source| source.text.clone());
-        let relative = scene.output_plan().relative.iter();
+        let relative = scene.output().relative.iter();
         let relative: Vec<String> = relative.map(|request| request.name.clone()).collect();
         let body = at_rest::key(&scene, &self.scene, &self.text, case);
         let title = format!("{}: {case}", scene.title());
@@ -62,10 +60,8 @@ impl Sweep {
         finished::unmark(&path)?;
         folder.clear()?;
         if let Some((check, limit)) = check {
-            let hooks = RunHooks {
-                stop: control.stop.cloned(),
-                ..RunHooks::default()
-            };
+            let mut hooks = RunHooks::default();
+            hooks.stop = control.stop.cloned();
             let found = check.run(step, hooks)?;
             locked(control.watch).self_check(case, found.largest());
             found.require(limit)?;
@@ -73,18 +69,13 @@ impl Sweep {
 
         let mesh = simulation.mesh().clone();
         warnings.extend(coverage.as_ref().and_then(Coverage::warning));
-        let notes = RunNotes {
-            remarks: simulation.remarks().to_vec(),
-            warnings,
-        };
+        let notes = RunNotes::new(simulation.remarks().to_vec()).with_warnings(warnings);
         locked(control.watch).warns(case, &notes, lock.remark());
-        let hooks = RunHooks {
-            at_rest: equilibrated(&simulation, (case, &body), &folder, (control, bodies))?,
-            progress: locked(control.watch).progress(case),
-            stop: control.stop.cloned(),
-            snapshots: Some(folder.snapshots(&simulation)?),
-            ..RunHooks::default()
-        };
+        let mut hooks = RunHooks::default().with_snapshots(folder.snapshots(&simulation)?);
+        hooks.equilibrated_body =
+            equilibrated(&simulation, (case, &body), &folder, (control, bodies))?;
+        hooks.progress = locked(control.watch).progress(case);
+        hooks.stop = control.stop.cloned();
         let (results, failure) = match simulation.run(hooks) {
             Ok(results) => (results, None),
             Err(Error::Failed { error, results }) => (*results, Some(error)),
@@ -121,12 +112,12 @@ impl Sweep {
     fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
         let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
         let at_once = self.at_once.get().min(self.cases.len());
-        if at_once > 1 && scene.thread_count().is_none() {
+        if at_once > 1 && scene.threads().is_none() {
             let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-            scene = scene.threads((cores / at_once).max(1));
+            scene = scene.with_threads((cores / at_once).max(1));
         }
         if let Some(duration) = self.duration {
-            scene = scene.duration(duration);
+            scene = scene.with_duration(duration);
         }
         let is_other = |source: &SceneText| source.text != self.text;
         if scene.source().is_some_and(|source| is_other(source)) {
@@ -134,13 +125,6 @@ impl Sweep {
             return Err(StudyError::Changed { file });
         }
         Ok(scene)
-    }
-
-    /// The error of a fault in the scene's text.
-    fn fault(&self, fault: Fault) -> StudyError {
-        let (path, text) = (self.scene.clone(), self.text.clone());
-        let fault = SceneFault::new(Arc::new(SceneText { path, text }), fault);
-        Error::from(fault).into()
     }
 }
 
@@ -162,7 +146,7 @@ fn equilibrated(
         let started = Instant::now();
         let files = folder.stages(simulation)?;
         let sink = locked(control.watch).stages(case, files);
-        let found = simulation.bring_to_rest(control.stop, Some(sink));
+        let found = simulation.equilibrate(control.stop, Some(sink));
         *body = found.map_err(|error| match error {
             Error::Interrupted { .. } => StudyError::Interrupted,
             error => error.into(),

@@ -32,7 +32,7 @@ impl Coverage {
             Remark::QuietStart { padding, .. } => *padding,
             _ => 0.0,
         });
-        let end = scene.run_duration() - padding.sum::<f64>();
+        let end = scene.duration() - padding.sum::<f64>();
         let moves = |name: &str| {
             let mut waves = input.waves.iter();
             waves.any(|wave| {

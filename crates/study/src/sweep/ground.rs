@@ -53,11 +53,11 @@ impl StepView for FreeFieldStep {
 /// The greatest relative displacements (m) of the free field at the points of the scene's own requests; empty without
 /// an incident field, or if the field is not defined at all points.
 pub(super) fn relative_peaks(scene: &Scene) -> Result<Vec<Peak>, StudyError> {
-    let (plan, mesh) = (scene.output_plan(), scene.mesh());
-    let Some(field) = scene.incident_field().filter(|_| !plan.relative.is_empty()) else {
+    let (plan, mesh) = (scene.output(), scene.mesh());
+    let Some(field) = scene.field().filter(|_| !plan.relative.is_empty()) else {
         return Ok(Vec::new());
     };
-    let every = plan.every.max(scene.run_duration() / MOST_SAMPLES);
+    let every = plan.every.max(scene.duration() / MOST_SAMPLES);
     let history = || {
         let mut builder = History::builder(Cadence::Seconds(plan.every));
         for request in &plan.relative {
@@ -80,7 +80,7 @@ pub(super) fn relative_peaks(scene: &Scene) -> Result<Vec<Peak>, StudyError> {
     };
     let mut history = history()?;
     let recording = history.recording();
-    let count = (scene.run_duration() / every).ceil() as u64;
+    let count = (scene.duration() / every).ceil() as u64;
     let mut motion = Vec::new();
     for sample in 0..=count {
         ground.time = scene.start_time() + sample as f64 * every;

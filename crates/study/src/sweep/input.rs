@@ -1,6 +1,7 @@
 //! Input of a case.
 
-use powerhouse::format::{Azimuth, Finite, SceneFile, Wave, WaveKind};
+use powerhouse::InputOverview;
+use powerhouse::wavefield::WaveKind;
 use serde::{Deserialize, Serialize};
 
 /// Incident wave of a case.
@@ -26,19 +27,7 @@ impl CaseWave {
     }
 }
 
-/// Description of the motion of a wave, which differs for different motions.
-fn motion(wave: &Wave) -> String {
-    let source = match (&wave.record, &wave.pulse) {
-        (Some(record), _) => record.to_string(),
-        (None, Some(pulse)) => format!("{:?}", **pulse),
-        (None, None) => String::new(),
-    };
-    let component = wave.component.as_ref();
-    let component = component.map_or(String::new(), |component| format!(" {:?}", **component));
-    source + &component
-}
-
-/// Input of a case: its waves and the parameter that it varies. Reports group cases by it.
+/// What comes in, and what a case varies: by this reports tell cases apart.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CaseInput {
     /// Incident waves.
@@ -51,25 +40,24 @@ pub struct CaseInput {
 }
 
 impl CaseInput {
-    /// The input of a case, from the scene file with the keys of the case applied.
-    pub(super) fn of(scene: &SceneFile, name: &str) -> Self {
-        let case = scene.cases.iter().find(|case| *case.name == name);
-        let waves = scene.waves.iter().map(|wave| CaseWave {
+    /// The input of a scene that is already as the case has it.
+    pub(super) fn of(input: &InputOverview) -> Self {
+        let waves = input.waves.iter().map(|wave| CaseWave {
             kind: match wave.kind {
                 WaveKind::P => "p",
-                WaveKind::Sv => "sv",
-                WaveKind::Sh => "sh",
+                WaveKind::SV => "sv",
+                WaveKind::SH => "sh",
             }
             .into(),
-            incidence: wave.incidence.get(),
-            azimuth: wave.azimuth.map_or(0.0, Azimuth::get),
-            motion: motion(wave),
-            factor: wave.factor.map_or(1.0, Finite::get),
+            incidence: wave.incidence,
+            azimuth: wave.azimuth,
+            motion: wave.motion.clone(),
+            factor: wave.factor,
         });
         Self {
             waves: waves.collect(),
-            varies: case.and_then(|case| case.varies.clone()),
-            continuous: case.is_some_and(|case| !case.continuous.is_empty()),
+            varies: input.varies.clone(),
+            continuous: input.continuous,
         }
     }
 

@@ -119,15 +119,29 @@ impl Sweep {
     /// # Errors
     /// An invalid scene; [`StudyError::NoCases`].
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
-        let (path, registry) = (path.as_ref(), registry());
-        let scene = Scene::from_file_with(path, &registry)?;
+        Self::of_file_with(path, folder, &registry())
+    }
+    /// The same with the names of a registry. Finished cases of an earlier sweep are taken as they are, also
+    /// if the code of a registered law has changed, unless the
+    /// [version](powerhouse::Registry::with_version) of the registry has.
+    ///
+    /// # Errors
+    /// As [`of_file`](Self::of_file).
+    pub fn of_file_with(
+        path: impl AsRef<Path>,
+        folder: Option<PathBuf>,
+        registry: &Registry,
+    ) -> Result<Self, StudyError> {
+        let path = path.as_ref();
+        let scene = Scene::from_file_with(path, registry)?;
         if scene.case_names().is_empty() {
             let file = path.into();
             return Err(StudyError::NoCases { file });
         }
         let own = scene.result_folder().path().to_path_buf();
         let text = scene.source().map_or("", |source| &source.text);
-        let fingerprints = Fingerprint::of_cases((path, text), scene.case_names(), None)?;
+        let fingerprints =
+            Fingerprint::of_cases((path, text), scene.case_names(), None, registry.version())?;
         let records = scene.records().iter();
         let records = records.map(|(name, history)| (name.clone(), history.clone()));
         Ok(Self {
@@ -141,7 +155,7 @@ impl Sweep {
                 .collect(),
             all: scene.case_names().to_vec(),
             folder: folder.unwrap_or(own),
-            registry,
+            registry: registry.clone(),
             duration: None,
             at_once: NonZeroUsize::MIN,
         })
@@ -167,8 +181,9 @@ impl Sweep {
     /// A duration out of its range; a file of the scene that cannot be read again.
     pub fn with_duration(mut self, duration: f64) -> Result<Self, StudyError> {
         ParameterError::check("duration", duration, f64::MIN_POSITIVE, f64::MAX)?;
-        self.fingerprints =
-            Fingerprint::of_cases((&self.scene, &self.text), &self.all, Some(duration))?;
+        let file = (self.scene.as_path(), self.text.as_str());
+        let version = self.registry.version();
+        self.fingerprints = Fingerprint::of_cases(file, &self.all, Some(duration), version)?;
         self.duration = Some(duration);
         Ok(self)
     }

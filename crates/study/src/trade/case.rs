@@ -117,14 +117,14 @@ impl TradeRunner<'_> {
     ) -> Result<TradeRun, StudyError> {
         let started = Instant::now();
         let model = CostModel::of(&scene)?;
-        let mut simulation = scene.duration(self.window).prepare()?;
+        let mut simulation = scene.with_duration(self.window).prepare()?;
         let step = simulation.step()?;
         let composed = started.elapsed().as_secs_f64();
         let equilibrated = match self.bodies.get(body) {
             Some(known) => Some(known.clone()),
             None => {
                 let started = Instant::now();
-                let found = simulation.bring_to_rest(self.stop, None);
+                let found = simulation.equilibrate(self.stop, None);
                 let found = found.map_err(|error| match error {
                     powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
                     error => error.into(),
@@ -141,20 +141,17 @@ impl TradeRunner<'_> {
         let before = composed + equilibrated.as_ref().map_or(0.0, |found| found.took);
         let clock = Arc::new(Mutex::new(StepTimes::default()));
         let (times, mut hook) = (clock.clone(), watch.progress());
-        let hooks = RunHooks {
-            progress: Some(Box::new(move |progress| {
-                let now = Some((Instant::now(), progress.done));
-                let mut clock = times.lock().unwrap_or_else(PoisonError::into_inner);
-                clock.first = clock.first.or(now);
-                clock.last = now;
-                if let Some(hook) = &mut hook {
-                    hook(progress);
-                }
-            })),
-            stop: self.stop.cloned(),
-            at_rest: equilibrated.map(|found| found.body),
-            ..RunHooks::default()
-        };
+        let mut hooks = RunHooks::default().with_progress(move |progress| {
+            let now = Some((Instant::now(), progress.done));
+            let mut clock = times.lock().unwrap_or_else(PoisonError::into_inner);
+            clock.first = clock.first.or(now);
+            clock.last = now;
+            if let Some(hook) = &mut hook {
+                hook(progress);
+            }
+        });
+        hooks.stop = self.stop.cloned();
+        hooks.equilibrated_body = equilibrated.map(|found| found.body);
         let results = simulation.run(hooks)?;
         let stopped = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
         if stopped && results.run.ended != Ended::Completed {

@@ -49,9 +49,9 @@ pub(super) fn closed_form(
         return Err(no_closed_form(reason));
     }
     let field = scene
-        .incident_field()
+        .field()
         .ok_or(no_closed_form("it has no incident field"))?;
-    if scene.absorbing_boundary().is_none() {
+    if scene.boundary().is_none() {
         return Err(no_closed_form("it has no absorbing boundary"));
     }
     if scene.joints().next().is_some() || !scene.stages().is_empty() {
@@ -71,7 +71,7 @@ pub(super) fn closed_form(
         return Err(no_closed_form("it has an opening, which scatters waves"));
     }
     let mut columns = vec![TableColumn::new("time", "s", times.to_vec())];
-    for request in &scene.output_plan().histories {
+    for request in &scene.output().histories {
         let points = points(scene, &request.place);
         let sampler = field.prepare(&points).map_err(Error::from)?;
         let mut motions = vec![FieldMotion::default(); points.len()];

@@ -1,18 +1,25 @@
 //! Factors of a trade study: numerical options of a scene, as edits of its file.
 
-use powerhouse::Scene;
-use powerhouse::engine::StaticOptions;
+use powerhouse::engine::{SolidKernel, StaticOptions};
 use powerhouse::model::ElementKind;
+use powerhouse::{Scene, keys};
 use toml::{Table, Value};
 
 use crate::advice::Bounds;
 
-/// Names of the kernels of hexahedra: full integration, one-point integration.
-const FULL: &str = "hex8-full";
-const ONE_POINT: &str = "hex8-one-point";
-/// Keys of a boundary that concern springs.
-const OF_SPRINGS: [&str; 7] = ["a", "b", "distance", "x", "y", "z", "spreading"];
-/// Least tolerance that stages of yielding rock can meet, and greatest that a dynamic stage accepts.
+/// Names of the factors.
+pub(crate) const KERNEL: &str = "kernel";
+pub(crate) const STEP: &str = "step";
+pub(crate) const BOUNDARY: &str = "boundary";
+pub(crate) const INPUT: &str = "input";
+pub(crate) const DAMPING: &str = "damping";
+pub(crate) const PRECISION: &str = "precision";
+pub(crate) const STATICS: &str = "statics";
+pub(crate) const OUTPUT: &str = "output";
+/// Names of levels.
+pub(crate) const FLAT: &str = "flat";
+pub(crate) const MIXED: &str = "mixed";
+/// Tolerances that stages of yielding rock still meet, and that the hand-over still takes.
 const MET: [f64; 2] = [1.0e-10, 1.0e-4];
 /// Least ratio of the band limits of flat damping.
 const NARROWEST_BAND: f64 = 1.5;
@@ -24,14 +31,11 @@ enum Edit {
     Nothing,
     /// Sets a key of a top-level table, or a top-level key.
     Set(Option<&'static str>, &'static str, Value),
-    /// Sets the kernel of the parts of several sets.
-    Kernel {
-        kernel: &'static str,
-        sets: Vec<String>,
-    },
-    /// Replaces springs and dashpots by dashpots alone.
-    Dashpots,
-    /// Reduces the mesh to a box, with the reference points (m) of the waves unchanged.
+    /// The kernel of the parts of some sets.
+    Kernel { kernel: String, sets: Vec<String> },
+    /// Another boundary, which takes these keys.
+    Boundary { kind: String, takes: Vec<String> },
+    /// Less ground; waves pass where they would in the whole, each at its reference point (m).
     Ground {
         within: Bounds,
         references: Vec<[f64; 3]>,
@@ -94,16 +98,15 @@ impl Level {
                 for part in tables(file, "part") {
                     let set = part.get("set").and_then(Value::as_str);
                     if set.is_some_and(|set| sets.iter().any(|other| other == set)) {
-                        part.insert("kernel".into(), (*kernel).into());
+                        part.insert("kernel".into(), kernel.as_str().into());
                     }
                 }
             }
-            Edit::Dashpots => {
+            Edit::Boundary { kind, takes } => {
                 if let Some(Value::Table(boundary)) = file.get_mut("boundary") {
-                    boundary.insert("kind".into(), "viscous".into());
-                    OF_SPRINGS.iter().for_each(|key| {
-                        boundary.remove(*key);
-                    });
+                    let takes = |key: &str| takes.iter().any(|taken| taken == key);
+                    boundary.retain(|key, _| keys::BOUNDARY.contains(&key) || takes(key));
+                    boundary.insert(keys::KIND.into(), kind.as_str().into());
                 }
             }
             Edit::Ground { within, references } => {
@@ -194,9 +197,9 @@ impl Factor {
 /// The factors of a scene, the most important first.
 pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     let found = [
-        kernel(scene),
+        kernel(scene, file),
         step(file),
-        boundary(file),
+        boundary(scene, file),
         input(scene, file),
         damping(file),
         precision(file),
@@ -206,9 +209,18 @@ pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     found.into_iter().flatten().collect()
 }
 
-/// The kernels of hexahedra, for all parts that have hexahedra and no kernel of other elements; `None` without such
+/// The names of the kernels of bricks with most points and with one.
+fn full() -> &'static str {
+    SolidKernel::Hex8Full.name()
+}
+pub(crate) fn one_point() -> &'static str {
+    SolidKernel::Hex8OnePoint(Default::default()).name()
+}
+
+/// The kernels of hexahedra, those of a program after those of the software, for all
+/// parts that have hexahedra and no kernel of other elements; `None` without such
 /// parts.
-fn kernel(scene: &Scene) -> Option<Factor> {
+fn kernel(scene: &Scene, file: &Table) -> Option<Factor> {
     let mesh = scene.mesh();
     let (mut names, mut sets) = (Vec::new(), Vec::new());
     for part in scene.parts() {
@@ -218,7 +230,11 @@ fn kernel(scene: &Scene) -> Option<Factor> {
         if of_others || !elements.iter().any(|&e| mesh.kind(e) == ElementKind::Hex8) {
             continue;
         }
-        names.push(own.map_or(ONE_POINT, |kernel| kernel.name()).to_owned());
+        // A registered kernel may have another name of its own.
+        let named = (listed(file, "part").find(|other| text(other, "set") == Some(&part.set)))
+            .and_then(|other| text(other, "kernel"));
+        let name = named.or(own.map(|kernel| kernel.name()));
+        names.push(name.unwrap_or(one_point()).to_owned());
         sets.push(part.set.to_string());
     }
     names.sort_unstable();
@@ -228,18 +244,30 @@ fn kernel(scene: &Scene) -> Option<Factor> {
         [name] => name.clone(),
         several => several.join(" and "),
     };
-    let level = |kernel: &'static str| {
-        let sets = sets.clone();
-        Level::new(kernel, Edit::Kernel { kernel, sets })
+    let level = |kernel: &str| {
+        let (kernel, sets) = (kernel.to_owned(), sets.clone());
+        Level::new(kernel.clone(), Edit::Kernel { kernel, sets })
     };
-    let mut levels = vec![level(FULL), level(ONE_POINT)];
+    let mut levels = vec![level(full()), level(one_point())];
+    if let Some(registry) = scene.registry() {
+        let is_of_bricks = |name: &&str| {
+            let kernel = registry.kernel_named(name);
+            kernel.is_some_and(|kernel| kernel.kind() == ElementKind::Hex8)
+        };
+        levels.extend(
+            registry
+                .added_kernel_names()
+                .filter(is_of_bricks)
+                .map(level),
+        );
+    }
     let known = levels.iter().position(|level| level.name == own);
     let index = known.unwrap_or_else(|| {
         levels.insert(1, Level::own(own));
         1
     });
     levels[index].edit = Edit::Nothing;
-    Some(Factor::new("kernel", levels, index))
+    Some(Factor::new(KERNEL, levels, index))
 }
 
 /// Half of the scene's safety factor of the stable step, and the factor itself; `None` if the step is given in seconds.
@@ -254,7 +282,7 @@ fn step(file: &Table) -> Option<Factor> {
     let own = time.get("safety").and_then(number).unwrap_or(1.0);
     let finer = Edit::Set(Some("time"), "safety", Value::Float(0.5 * own));
     Some(Factor::new(
-        "step",
+        STEP,
         [
             Level::new(format!("{} of the stable", 0.5 * own), finer),
             Level::own(format!("{own} of the stable")),
@@ -263,39 +291,52 @@ fn step(file: &Table) -> Option<Factor> {
     ))
 }
 
-/// Boundary: springs and dashpots, or dashpots alone.
-fn boundary(file: &Table) -> Option<Factor> {
-    let boundary = file.get("boundary")?.as_table()?;
-    if boundary.get("kind")?.as_str()? != "viscous-spring" {
-        return None;
-    }
-    Some(Factor::new(
-        "boundary",
-        [
-            Level::own("viscous-spring"),
-            Level::new("viscous", Edit::Dashpots),
-        ],
-        0,
-    ))
+/// The scene's own boundary, dashpots alone, and the boundaries of a program that do without keys of their own.
+fn boundary(scene: &Scene, file: &Table) -> Option<Factor> {
+    let registry = scene.registry()?;
+    let own = file
+        .get("boundary")?
+        .as_table()?
+        .get(keys::KIND)?
+        .as_str()?;
+    let stands = |name: &&str| registry.boundary_without_keys(name).is_some();
+    let added = registry.added_boundary_names().filter(stands);
+    let dashpots = (!registry
+        .added_boundary_names()
+        .any(|name| name == keys::VISCOUS))
+    .then_some(keys::VISCOUS);
+    let others = dashpots.into_iter().chain(added);
+    let level = |kind: &str| {
+        let takes = registry.boundary_keys(kind).unwrap_or_default();
+        let kind = kind.to_owned();
+        Level::new(kind.clone(), Edit::Boundary { kind, takes })
+    };
+    let mut levels = vec![Level::own(own)];
+    levels.extend(others.filter(|name| *name != own).map(level));
+    (levels.len() > 1).then(|| Factor::new(BOUNDARY, levels, 0))
 }
 
 /// Input: the full field on every face, or only the incident wave at the bottom.
 fn input(scene: &Scene, file: &Table) -> Option<Factor> {
-    scene.incident_field()?;
+    scene.field()?;
     let boundary = file.get("boundary")?.as_table()?;
-    let input = boundary.get("input");
-    if input.is_some_and(|input| input.as_str() != Some("full-field")) {
+    let kind = boundary.get(keys::KIND)?.as_str()?;
+    let takes = scene.registry()?.boundary_keys(kind)?;
+    let input = boundary.get(keys::INPUT);
+    if !takes.iter().any(|key| key == keys::INPUT)
+        || input.is_some_and(|input| input.as_str() != Some(keys::FULL_FIELD))
+    {
         return None;
     }
-    let faces = boundary.get("faces")?.as_array()?;
+    let faces = boundary.get(keys::FACES)?.as_array()?;
     if !faces.iter().any(|face| face.as_str() == Some("bottom")) {
         return None;
     }
     let mut incident = Table::new();
-    incident.insert("incident-only".into(), vec!["bottom"].into());
-    let incident = Edit::Set(Some("boundary"), "input", incident.into());
+    incident.insert(keys::INCIDENT_ONLY.into(), vec!["bottom"].into());
+    let incident = Edit::Set(Some("boundary"), keys::INPUT, incident.into());
     Some(Factor::new(
-        "input",
+        INPUT,
         [
             Level::own("full field"),
             Level::new("incident wave at the bottom", incident),
@@ -318,10 +359,10 @@ fn damping(file: &Table) -> Option<Factor> {
         return None;
     }
     Some(Factor::new(
-        "damping",
+        DAMPING,
         [
             Level::own("rayleigh"),
-            Level::new("flat", Edit::Damping { flat: true }),
+            Level::new(FLAT, Edit::Damping { flat: true }),
             Level::new("none", Edit::Damping { flat: false }),
         ],
         0,
@@ -330,12 +371,12 @@ fn damping(file: &Table) -> Option<Factor> {
 
 /// Number format of the elements.
 fn precision(file: &Table) -> Option<Factor> {
-    const FORMATS: [&str; 3] = ["f64", "mixed", "f32"];
+    const FORMATS: [&str; 3] = ["f64", MIXED, "f32"];
     let own = file.get("precision").map_or(Some("f64"), Value::as_str)?;
     let own = FORMATS.iter().position(|format| *format == own)?;
     let level =
         |format: &'static str| Level::new(format, Edit::Set(None, "precision", format.into()));
-    Some(Factor::new("precision", FORMATS.map(level), own))
+    Some(Factor::new(PRECISION, FORMATS.map(level), own))
 }
 
 /// Tolerances of the stages: a hundredth of the given ones, the given ones, and a hundred times as much, within the
@@ -344,7 +385,7 @@ fn statics(file: &Table) -> Option<Factor> {
     file.get("stage")?.as_array()?;
     let level = |name: &str, factor| Level::new(name, Edit::Tolerance(factor, MET));
     Some(Factor::new(
-        "statics",
+        STATICS,
         [
             level("a hundredth", 0.01),
             Level::own("as given"),
@@ -357,7 +398,7 @@ fn statics(file: &Table) -> Option<Factor> {
 /// Sampling interval of the output: as given, two and four times as long.
 fn output(scene: &Scene, file: &Table) -> Option<Factor> {
     file.get("output")?.as_table()?;
-    let own = scene.output_plan().every;
+    let own = scene.output().every;
     let level = |times: f64| {
         let every = times * own;
         let edit = Edit::Set(Some("output"), "every", Value::Float(every));
@@ -365,7 +406,7 @@ fn output(scene: &Scene, file: &Table) -> Option<Factor> {
     };
     let mut levels: Vec<Level> = [1.0, 2.0, 4.0].map(level).into();
     levels[0].edit = Edit::Nothing;
-    Some(Factor::new("output", levels, 0))
+    Some(Factor::new(OUTPUT, levels, 0))
 }
 
 /// The tables of an array of tables.
@@ -458,7 +499,7 @@ mod tests {
         for set in ["bricks", "wedges"] {
             scene = scene.part(Part::new(set, LinearElastic::new(media::ROCK).into()));
         }
-        let factor = kernel(&scene).unwrap();
+        let factor = kernel(&scene, &Table::new()).unwrap();
         assert_eq!((factor.levels.len(), factor.own), (2, 1));
         let mut file: Table =
             toml::from_str("[[part]]\nset = \"bricks\"\n[[part]]\nset = \"wedges\"").unwrap();
@@ -466,7 +507,7 @@ mod tests {
         let kernels: Vec<Option<&str>> = listed(&file, "part")
             .map(|part| text(part, "kernel"))
             .collect();
-        assert_eq!(kernels, [Some(FULL), None]);
+        assert_eq!(kernels, [Some(full()), None]);
     }
 
     /// Tolerances of stages are those of the file or the default ones, a hundredth and a hundred times as much, within

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use powerhouse::{Registry, Remark, Scene};
+use powerhouse::{Registry, Remark, Scene, keys};
 use toml::Table;
 
 use super::factor::{Factor, Level, sets_acted_on};
@@ -13,7 +13,7 @@ use crate::advice::BoxReduction;
 const NEARER: [f64; 3] = [0.75, 0.5, 0.35];
 const WORTHWHILE: f64 = 0.85;
 /// Keys of a boundary that set the distances of its springs.
-const DISTANCES: [&str; 4] = ["distance", "x", "y", "z"];
+const DISTANCES: [&str; 4] = [keys::DISTANCE, keys::AXES[0], keys::AXES[1], keys::AXES[2]];
 
 /// The whole mesh and reduced boxes that contain the scatterer and all recorded, loaded and moved nodes; `None` if no
 /// box is smaller or the boundary depends on the extent of the mesh.
@@ -26,7 +26,7 @@ pub(super) fn ground(
     let is_given = |key: &&str| boundary.contains_key(*key);
     // The padding of waves past the critical angle depends on the box.
     let is_padded = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
-    if boundary.contains_key("region")
+    if boundary.contains_key(keys::REGION)
         || DISTANCES.iter().any(is_given)
         || scene.remarks().iter().any(is_padded)
     {
@@ -37,7 +37,7 @@ pub(super) fn ground(
         .into_iter()
         .flat_map(|set| scene.mesh().nodes_of_set(set).unwrap_or_default());
     let reduction = BoxReduction::of(scene).ok()?.with_nodes(acted_on);
-    let waves = scene.incident_waves().iter();
+    let waves = scene.plane_waves().iter();
     let references = waves.map(|wave| wave.parameters().reference.into());
     let references: Vec<[f64; 3]> = references.collect();
     let mut levels = vec![Level::own("unchanged")];

@@ -39,7 +39,7 @@
 
 mod case;
 mod closed_form;
-mod factor;
+pub(crate) mod factor;
 mod finer_mesh;
 mod ground;
 mod misfit;
@@ -73,6 +73,7 @@ pub(crate) use misfit::{Misfit, misfits};
 use plan::{Design, ErrorAndCost};
 use quantity::Compared;
 pub use quantity::Quantity;
+use repeat::Perturbed;
 pub use report::{
     Goal, MeshError, NoProgress, Reference, SensitiveHistory, TradeCase, TradeReport, TradeWatch,
 };
@@ -108,8 +109,20 @@ impl Trade {
     /// # Errors
     /// An invalid scene; [`StudyError::NoHistories`] for a scene without recorded histories.
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
-        let (path, registry) = (path.as_ref(), registry());
-        let scene = Scene::from_file_with(path, &registry)?;
+        Self::of_file_with(path, folder, &registry())
+    }
+    /// The same with the names of a registry: its own kernels of bricks, and boundaries that do without keys, are
+    /// levels. Finished runs count until its [version](powerhouse::Registry::with_version) changes.
+    ///
+    /// # Errors
+    /// As [`of_file`](Self::of_file).
+    pub fn of_file_with(
+        path: impl AsRef<Path>,
+        folder: Option<PathBuf>,
+        registry: &Registry,
+    ) -> Result<Self, StudyError> {
+        let path = path.as_ref();
+        let scene = Scene::from_file_with(path, registry)?;
         let compared = Compared::of(&scene);
         if compared.quantities.is_empty() {
             return Err(StudyError::NoHistories);
@@ -121,8 +134,8 @@ impl Trade {
         })?;
         let own = scene.result_folder().path().join("trade");
         let mut factors = factor::factors(&scene, &file);
-        let ground = ground::ground(&scene, (&file, path), &registry);
-        let after = ["kernel", "step", "boundary"];
+        let ground = ground::ground(&scene, (&file, path), registry);
+        let after = [factor::KERNEL, factor::STEP, factor::BOUNDARY];
         let index = factors
             .iter()
             .take_while(|factor| after.contains(&factor.name));
@@ -133,7 +146,7 @@ impl Trade {
             factors,
             title: scene.title().to_owned(),
             folder: folder.unwrap_or(own),
-            duration: scene.run_duration(),
+            duration: scene.duration(),
             window: window(&scene),
             path_dependent: scene.joints().next().is_some()
                 || scene.parts().iter().any(|part| !part.material.is_linear()),
@@ -144,7 +157,7 @@ impl Trade {
             perturbation: Some(repeat::PERTURBATION),
             path: path.into(),
             file,
-            registry,
+            registry: registry.clone(),
         })
     }
     /// Sets the window of the runs (s), at most the duration of the scene; by default it contains half of the intensity
@@ -348,7 +361,7 @@ impl Trade {
             if first && let Some(text) = self.perturbed_text()? {
                 begun += 1;
                 watch.begins(repeat::PERTURBED, begun);
-                let again = (text.as_str(), reference.as_slice(), goal);
+                let again = Perturbed::new(&text, reference, goal);
                 match self.sensitive_histories(again, &mut runner, watch) {
                     Ok(found) => sensitive = found,
                     // Under slightly larger waves a run may fail.
@@ -405,7 +418,7 @@ impl Trade {
             return None;
         }
         let mut factors = self.factors.iter_mut();
-        let statics = factors.find(|factor| factor.name == "statics")?;
+        let statics = factors.find(|factor| factor.name == factor::STATICS)?;
         let finest = statics.levels.first()?.name.clone();
         *statics = statics.as_given_at_best()?;
         Some(finest)
@@ -433,7 +446,7 @@ impl Trade {
     fn announce(&self, runs: usize, watch: &mut dyn TradeWatch) -> Result<(), StudyError> {
         let finest = self
             .scene(&vec![0; self.factors.len()])?
-            .duration(self.window);
+            .with_duration(self.window);
         let mut simulation = finest.prepare()?;
         let steps = self.window / simulation.step()?;
         let of_one = cost::StepTimer::of(&mut simulation)?
@@ -513,7 +526,7 @@ impl Trade {
     /// The key of a design's equilibrated body: the stages depend on all factors but step, input and output.
     fn body_of(&self, design: &Design) -> String {
         self.level_indices(design, |factor| {
-            !["step", "input", "output"].contains(&factor.name)
+            ![factor::STEP, factor::INPUT, factor::OUTPUT].contains(&factor.name)
         })
     }
 
@@ -526,7 +539,12 @@ impl Trade {
         (watch, name): (&mut dyn TradeWatch, &str),
     ) -> Result<TradeRun, StudyError> {
         let folder = self.folder.join(folder);
-        let fingerprint = Fingerprint::of(text, &self.inputs, Some(self.window));
+        let fingerprint = Fingerprint::of(
+            text,
+            &self.inputs,
+            Some(self.window),
+            self.registry.version(),
+        );
         if let Some(finished) = runner.finished(&folder, &fingerprint)? {
             watch.reused(name);
             return Ok(finished);
@@ -570,7 +588,7 @@ impl Trade {
         let index = self
             .factors
             .iter()
-            .position(|factor| factor.name == "step")?;
+            .position(|factor| factor.name == factor::STEP)?;
         let coarser = cases.iter().find(|case| {
             let others = case.levels.iter().enumerate().filter(|(i, _)| *i != index);
             case.levels[index] == 1 && others.into_iter().all(|(_, level)| *level == 0)

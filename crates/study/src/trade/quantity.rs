@@ -85,7 +85,7 @@ pub(super) struct Compared {
 impl Compared {
     /// The selection of all quantities that a scene records.
     pub(super) fn of(scene: &Scene) -> Self {
-        let plan = scene.output_plan();
+        let plan = scene.output();
         let variables = scene
             .parts()
             .iter()

@@ -21,6 +21,27 @@ const SHARE_OF_ERROR: f64 = 0.5;
 const WITHOUT_ERROR: f64 = 0.01;
 const LEAST_CHANGE: f64 = 10.0;
 
+/// Run of the reference under waves that are hardly changed.
+#[derive(Clone, Copy)]
+pub(super) struct Perturbed<'a> {
+    /// Its scene.
+    text: &'a str,
+    /// Histories of the reference.
+    reference: &'a [TableColumn],
+    /// Goal of the trade, which decides on the change that histories may show.
+    goal: Goal,
+}
+
+impl<'a> Perturbed<'a> {
+    pub(super) fn new(text: &'a str, reference: &'a [TableColumn], goal: Goal) -> Self {
+        Self {
+            text,
+            reference,
+            goal,
+        }
+    }
+}
+
 impl Trade {
     /// The scene of the reference under perturbed waves, as text; `None` without history variables, without waves, or if
     /// all histories count.
@@ -50,10 +71,15 @@ impl Trade {
     /// [`StudyError::AllHistoriesSensitive`]; any error of the run.
     pub(super) fn sensitive_histories(
         &self,
-        (text, reference, goal): (&str, &[TableColumn], Goal),
+        perturbed: Perturbed,
         runner: &mut TradeRunner,
         watch: &mut dyn TradeWatch,
     ) -> Result<Vec<SensitiveHistory>, StudyError> {
+        let Perturbed {
+            text,
+            reference,
+            goal,
+        } = perturbed;
         let design = vec![0; self.factors.len()];
         let folder = format!("{}-{FOLDER}", self.level_indices(&design, |_| true));
         let body = self.body_of(&design);

@@ -11,7 +11,7 @@ const SHARE_ADDED: f64 = 0.1;
 /// Time until all records have half of their intensity, plus a tenth of the duration, rounded to four digits; at most
 /// the duration, and the duration without records.
 pub(super) fn window(scene: &Scene) -> f64 {
-    of_records(scene.run_duration(), scene.records().values())
+    of_records(scene.duration(), scene.records().values())
 }
 
 fn of_records<'a>(duration: f64, records: impl Iterator<Item = &'a TimeHistory>) -> f64 {

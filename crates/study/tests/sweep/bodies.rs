@@ -8,7 +8,7 @@ use super::*;
 fn a_body_comes_back_from_its_file() {
     let folder = Folder::new("body");
     let scene = Scene::case_from_file_with(folder.scene(), "steep", &registry()).unwrap();
-    let body = scene.prepare().unwrap().bring_to_rest(None, None);
+    let body = scene.prepare().unwrap().equilibrate(None, None);
     let body = body.unwrap().unwrap();
     let file = folder.0.join("rest.body");
     body.write(&file).unwrap();
@@ -43,7 +43,7 @@ fn a_shared_body_moves_as_one_of_its_own() {
         .unwrap();
     let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
     assert_eq!(scene.case(), Some("slanted"));
-    let scene = scene.duration(0.02);
+    let scene = scene.with_duration(0.02);
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let shared = read_table(&folder.0.join("out/slanted/histories.csv")).unwrap();
     for column in &results.histories.columns {
@@ -60,11 +60,9 @@ fn a_body_of_another_scene_is_an_error() {
         let scene = Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
         scene.prepare().unwrap()
     };
-    let body = case("continuous").bring_to_rest(None, None).unwrap();
-    let hooks = RunHooks {
-        at_rest: body,
-        ..RunHooks::default()
-    };
+    let body = case("continuous").equilibrate(None, None).unwrap();
+    let mut hooks = RunHooks::default();
+    hooks.equilibrated_body = body;
     let Err(error) = case("steep").run(hooks) else {
         panic!("a body of another mesh went unseen")
     };

@@ -20,7 +20,7 @@ fn replaced_results_count_no_more() {
     assert_eq!(reported(&folder), ["steep", "slanted", "continuous"]);
     // As `powerhouse run` does it, for less time.
     let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
-    let scene = scene.duration(0.005);
+    let scene = scene.with_duration(0.005);
     let (title, text) = (
         scene.title().to_owned(),
         scene.source().unwrap().text.clone(),

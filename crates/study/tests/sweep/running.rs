@@ -125,7 +125,7 @@ time = { duration = 0.02, safety = 0.5 }
     let (own, scene) = (of("other"), of("steep"));
     let young = |scene: &Scene| scene.parts()[0].material.medium().young;
     assert_eq!((young(&own), young(&scene)), (8e9, 9e9));
-    assert_eq!((own.run_duration(), scene.run_duration()), (0.02, 0.05));
+    assert_eq!((own.duration(), scene.duration()), (0.02, 0.05));
     // All of it: the case moves as the scene with these keys written out, to the last bit.
     let written_out = SCENE
         .replace("young = 9e9", "young = 8e9")
@@ -149,7 +149,7 @@ time = { duration = 0.02, safety = 0.5 }
     let twin = run(of("steep"));
     assert_eq!(changed.histories, twin.histories);
     assert_eq!(changed.bolts, twin.bolts);
-    assert_ne!(changed.histories, run(scene.duration(0.02)).histories);
+    assert_ne!(changed.histories, run(scene.with_duration(0.02)).histories);
 
     let refused = |change: &dyn Fn(&str) -> String| {
         std::fs::write(folder.scene(), change(&text)).unwrap();
@@ -191,7 +191,7 @@ fn a_case_may_have_another_mesh_and_other_supports() {
     let elements = |scene: &Scene| scene.mesh().element_count();
     assert_eq!(elements(&block) * 8, elements(&bay) * 12);
     assert_eq!((bay.supports().len(), block.supports().len()), (2, 0));
-    let faces = |scene: &Scene| scene.absorbing_boundary().unwrap().faces.len();
+    let faces = |scene: &Scene| scene.boundary().unwrap().faces.len();
     assert_eq!((faces(&bay), faces(&block)), (3, 5));
 }
 
