@@ -19,7 +19,7 @@ pub(crate) fn drive(
     let material = Material::from_file(law, material, &Registry::default())?;
     let test = PointPath::from_file(path)?.drive(&material)?;
     say!("{}: {} steps", test.law, test.records.len() - 1);
-    for warning in material.doubts() {
+    for warning in material.warnings() {
         say!("warning: {warning}");
     }
     let (component, [least, greatest]) = test.extremes();

@@ -7,7 +7,8 @@ use crate::terminal::say;
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
 use powerhouse::{
-    CompletedStage, Error, Remark, Results, RunNotes, Simulation, StageOverview, Topic, together,
+    CompletedStage, Error, Remark, Results, RunNotes, Simulation, StageOverview, Topic,
+    merge_messages,
 };
 use powerhouse_study::{CheckReport, FreeFieldReport, PointError, StaticCost, Warning};
 
@@ -23,7 +24,7 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
     // Some remarks are made only when the step is known.
     simulation.step()?;
     remarks(simulation.remarks());
-    for warning in together(warnings.iter().map(Warning::doubt)) {
+    for warning in merge_messages(warnings.iter().map(Warning::message)) {
         say!("warning: {}", warning.text);
     }
     let stable = simulation.stable_step()?;
@@ -35,10 +36,10 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
 fn remarks<'r>(remarks: impl IntoIterator<Item = &'r Remark>) {
     let (warnings, facts): (Vec<&Remark>, Vec<&Remark>) =
         remarks.into_iter().partition(|remark| remark.is_warning());
-    for fact in together(facts.into_iter().map(Remark::doubt)) {
+    for fact in merge_messages(facts.into_iter().map(Remark::message)) {
         say!("{}", fact.text);
     }
-    for warning in together(warnings.into_iter().map(Remark::doubt)) {
+    for warning in merge_messages(warnings.into_iter().map(Remark::message)) {
         say!("warning: {}", warning.text);
     }
 }
@@ -187,7 +188,7 @@ pub(crate) fn check(report: &CheckReport) {
     for change in &report.refused {
         say!("  {change}");
     }
-    let warnings = together(report.warnings.iter().map(Warning::doubt));
+    let warnings = merge_messages(report.warnings.iter().map(Warning::message));
     match warnings.len() {
         0 => say!("\nno warnings"),
         count => say!("\n{count} warning(s)"),
@@ -301,7 +302,7 @@ pub(crate) fn results(mesh: &Mesh, results: &Results, (notes, files): (&RunNotes
     energies(results);
     joints(mesh, results);
     bolts(results);
-    remarks(&results.doubts(mesh));
+    remarks(&results.warnings(mesh));
     say!("\nfiles");
     for file in files {
         say!("  {}", file.display());

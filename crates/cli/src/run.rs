@@ -36,10 +36,10 @@ impl StageSink for Stages {
         self.display.update(stage, &progress);
         self.files.progress(stage, progress);
     }
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         self.display.clear();
         self.bars.suspend(|| report::stage(stage));
-        self.files.at_rest(stage)
+        self.files.completed(stage)
     }
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
     folder.clear()?;
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
     let notes = RunNotes::new(simulation.remarks().to_vec())
-        .with_warnings(warnings.iter().map(Warning::doubt).collect());
+        .with_warnings(warnings.iter().map(Warning::message).collect());
     let bars = MultiProgress::new();
     let display = Display::among(&bars, "run");
     let hooks = RunHooks::default()

@@ -54,7 +54,7 @@ impl SweepWatch for SweepOutput {
             self.say(&format!("  {case}: {remark}"));
         }
         let remarks = notes.remarks.iter().filter(|remark| remark.is_warning());
-        let warnings = remarks.map(Remark::doubt).chain(notes.warnings.clone());
+        let warnings = remarks.map(Remark::message).chain(notes.warnings.clone());
         for warning in warnings {
             // Most cases of a sweep have the same warnings.
             if self.warned.insert(warning.text.clone()) {

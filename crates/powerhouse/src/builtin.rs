@@ -19,8 +19,8 @@ pub(crate) fn register(registry: &mut Registry) {
             elastic.poisson.get(),
             elastic.density.get(),
         )?;
-        let doubts = Finding::of_medium(&medium);
-        Ok(Material::from(LinearElastic::new(medium)).with_doubts(doubts))
+        let warnings = Finding::of_medium(&medium);
+        Ok(Material::from(LinearElastic::new(medium)).with_warnings(warnings))
     });
     registry.add_boundary(keys::VISCOUS_SPRING, |keys: ViscousSpringKeys| {
         Ok(Arc::new(keys.build()?))

@@ -38,7 +38,7 @@ pub enum Damping {
     /// Rayleigh damping, proportional to mass and stiffness.
     Rayleigh(Rayleigh),
     /// Flat damping: frequency-independent in a band, by relaxation mechanisms (a generalised Maxwell body) in series
-    /// with the law. Construction stages have the static stiffness far below the band ([`DampingCost::at_rest`]),
+    /// with the law. Construction stages have the static stiffness far below the band ([`DampingCost::static_stiffness`]),
     /// and their stress does not relax in the run. The material must have a law of the software (`Material::from`) or
     /// come from [`Material::in_series`](crate::Material::in_series).
     Flat {
@@ -79,7 +79,7 @@ pub struct DampingCost {
     /// Wave speeds at the lowest and highest frequency of the band, over that of the material.
     pub speeds: [f64; 2],
     /// Static stiffness, as in construction stages, over that of the material.
-    pub at_rest: f64,
+    pub static_stiffness: f64,
     /// Stable step of an element over that without damping.
     pub step: f64,
     /// Number of additional history variables per integration point.
@@ -100,7 +100,7 @@ impl DampingCost {
             band,
             deviation: spectrum.deviation(),
             speeds: [speed(band.lowest), speed(band.highest)],
-            at_rest: at_reference.powi(-2),
+            static_stiffness: at_reference.powi(-2),
             step: material.medium().p_speed() / damped.medium().p_speed(),
             variables: damped.history().len() - material.history().len(),
         })
@@ -125,7 +125,7 @@ impl fmt::Display for DampingCost {
             100.0 * self.deviation,
             self.speeds[0],
             self.speeds[1],
-            self.at_rest,
+            self.static_stiffness,
             self.step,
             self.variables,
         )

@@ -131,7 +131,7 @@ pub enum Error {
     Mirror(#[from] MirrorError),
     /// Kernel that is not for any element of its part.
     #[error("the kernel '{kernel}' is not for any element of part '{set}'")]
-    IdleKernel {
+    UnusedKernel {
         /// Element set of the part.
         set: String,
         /// Name of the kernel.
@@ -151,7 +151,7 @@ pub enum Error {
     #[error(
         "part '{set}' has a rim, but no element of it touches an absorbing face or is within {width} m of one"
     )]
-    IdleRim {
+    EmptyRim {
         /// Element set of the part.
         set: String,
         /// Width of the rim (m).
@@ -224,7 +224,7 @@ pub enum Error {
     },
     /// File without a complete equilibrated body, or with one of another version.
     #[error("{} does not contain a complete equilibrated body that this version can read", path.display())]
-    NotABody {
+    UnreadableBody {
         /// Path of the file.
         path: PathBuf,
     },

@@ -50,7 +50,6 @@ mod builtin;
 mod builtin_joints;
 mod builtin_laws;
 mod damping;
-mod doubt;
 mod drive;
 mod error;
 mod fault;
@@ -63,6 +62,7 @@ mod joint;
 pub mod keys;
 mod known;
 mod magnitude;
+mod message;
 mod output;
 mod part;
 pub mod prelude;
@@ -71,7 +71,7 @@ mod registry;
 mod remark;
 mod resolve;
 mod scene;
-mod scene_doubt;
+mod scene_remark;
 mod simulation;
 mod stage;
 
@@ -88,12 +88,12 @@ pub use powerhouse_model::nalgebra;
 pub use schemars;
 
 pub use damping::{Damping, DampingCost};
-pub use doubt::{Doubt, RunNotes, Topic, together};
 pub use drive::{PointPath, PointTest};
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
-pub use magnitude::{Magnitude, MagnitudeOf, Meant};
+pub use magnitude::{Magnitude, MagnitudeOf, ProbableUnit};
+pub use message::{Message, RunNotes, Topic, merge_messages};
 pub use output::{
     BoltForces, EnergyResidual, EnvelopeRequest, FolderError, FolderLock, HistoryRequest,
     JointRequest, NameError, OutputPlan, RelativeRequest, ResultFolder, Results, SectionRequest,
@@ -107,11 +107,11 @@ pub use scene::{
     Boundary, InitialMotion, InputOverview, LawMemory, Mirror, MirrorError, Parity, RegionError,
     ResidualLimit, Scene, TimeStep, WaveOverview,
 };
-pub use scene_doubt::SceneDoubt;
+pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
-    BoltPlace, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts, SceneStage,
-    StageOverview, StageSink, StagingError,
+    BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
+    SceneStage, StageOverview, StageSink, StagingError,
 };
 
 /// Verification: accuracy and cost of modelling choices on problems with known solutions.

@@ -22,12 +22,12 @@ pub struct Magnitude {
     /// SI unit.
     pub unit: &'static str,
     /// Unit in which the value was probably given, if it can be identified.
-    pub meant: Option<Meant>,
+    pub probable_unit: Option<ProbableUnit>,
 }
 
 /// Unit in which a value was probably given, and its conversion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meant {
+pub struct ProbableUnit {
     /// Unit.
     pub unit: &'static str,
     /// Value in SI units if it was given in that unit.
@@ -41,7 +41,7 @@ impl fmt::Display for Magnitude {
             value,
             usual: [least, most],
             unit,
-            meant,
+            probable_unit,
         } = self;
         let unit = match *unit {
             "" => String::new(),
@@ -54,9 +54,9 @@ impl fmt::Display for Magnitude {
             plain(*least),
             plain(*most)
         )?;
-        if let Some(meant) = meant {
-            let (found, value) = (plain(*value), plain(rounded(meant.value)));
-            write!(f, "; {found} {} would be {value}{unit}", meant.unit)?;
+        if let Some(probable_unit) = probable_unit {
+            let (found, value) = (plain(*value), plain(rounded(probable_unit.value)));
+            write!(f, "; {found} {} would be {value}{unit}", probable_unit.unit)?;
         }
         Ok(())
     }
@@ -154,7 +154,7 @@ impl UsualRange {
         if within(self.range, size) || (size == 0.0 && self.sign != Sign::Ranged) {
             return Ok(());
         }
-        let meant = [self.typical, self.range].into_iter().find_map(|range| {
+        let probable_unit = [self.typical, self.range].into_iter().find_map(|range| {
             let fits = |(_, factor): &&(&str, f64)| within(range, size * factor);
             self.alternatives.iter().find(fits)
         });
@@ -168,7 +168,7 @@ impl UsualRange {
                 [least, most]
             },
             unit: self.unit,
-            meant: meant.map(|&(unit, factor)| Meant {
+            probable_unit: probable_unit.map(|&(unit, factor)| ProbableUnit {
                 unit,
                 value: value * factor,
             }),
@@ -306,7 +306,7 @@ mod tests {
     /// A mistaken unit is reported with the probable unit; values in the range are accepted.
     #[test]
     fn mistaken_units_are_reported() {
-        for (range, value, meant) in [
+        for (range, value, probable_unit) in [
             (YOUNG, 30.0, "30 GPa would be 3e10 Pa"),
             (YOUNG, 25_000.0, "25000 MPa would be 2.5e10 Pa"),
             (DENSITY, 2.5, "2.5 t/m3 would be 2500 kg/m3"),
@@ -323,14 +323,20 @@ mod tests {
             (ANGLE, 0.7, "0.7 rad would be 40.11 degrees"),
         ] {
             let error = range.check("it", value).unwrap_err();
-            assert!(error.to_string().contains(meant), "{error}");
-            let right = error.meant.unwrap().value;
+            assert!(error.to_string().contains(probable_unit), "{error}");
+            let right = error.probable_unit.unwrap().value;
             assert_eq!(range.check("it", right), Ok(()), "{right}");
         }
         assert_eq!(STRENGTH.check("it", 0.0), Ok(()));
         assert_eq!(DISPLACEMENT.check("it", -3.0), Ok(()));
         assert!(NUMBER.check("it", -1e300).is_err());
         assert!(YOUNG.check("it", f64::NAN).is_err());
-        assert!(YOUNG.check("it", 1e300).unwrap_err().meant.is_none());
+        assert!(
+            YOUNG
+                .check("it", 1e300)
+                .unwrap_err()
+                .probable_unit
+                .is_none()
+        );
     }
 }

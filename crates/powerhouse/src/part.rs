@@ -25,7 +25,7 @@ use crate::{Damping, Error};
 #[derive(Clone)]
 pub struct Material {
     law: Arc<dyn ErasedMaterial>,
-    doubts: Arc<[String]>,
+    warnings: Arc<[String]>,
     /// None if damping cannot stand in series with the law.
     damped: Option<Arc<Damped>>,
 }
@@ -42,7 +42,7 @@ impl Material {
     pub fn new(law: impl ConstitutiveLaw) -> Self {
         Self {
             law: Arc::new(law),
-            doubts: Arc::new([]),
+            warnings: Arc::new([]),
             damped: None,
         }
     }
@@ -70,13 +70,16 @@ impl Material {
     /// [`MohrCoulomb::findings`](powerhouse_material_damage::MohrCoulomb::findings): checks and
     /// runs warn of it.
     #[must_use]
-    pub fn with_doubts(mut self, doubts: impl IntoIterator<Item: ToString>) -> Self {
-        self.doubts = doubts.into_iter().map(|doubt| doubt.to_string()).collect();
+    pub fn with_warnings(mut self, warnings: impl IntoIterator<Item: ToString>) -> Self {
+        self.warnings = warnings
+            .into_iter()
+            .map(|warning| warning.to_string())
+            .collect();
         self
     }
     /// What a user should know of its parameters.
-    pub fn doubts(&self) -> &[String] {
-        &self.doubts
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
     /// Accepts or refuses elements of a width (m).
     ///

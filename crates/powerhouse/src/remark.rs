@@ -5,8 +5,8 @@ use core::fmt;
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
-use crate::doubt::{Doubt, Topic};
-use crate::{DampingCost, Results, SceneDoubt};
+use crate::message::{Message, Topic};
+use crate::{DampingCost, Results, SceneRemark};
 
 /// Standard gravity (m/s2).
 const STANDARD_GRAVITY: f64 = 9.806_65;
@@ -31,7 +31,7 @@ pub enum Remark {
         /// Name of the record.
         name: String,
         /// Difference from the declaration.
-        doubt: String,
+        warning: String,
     },
     /// Fact: conversion of a record of another motion to the incident wave.
     Conversion {
@@ -52,7 +52,7 @@ pub enum Remark {
     },
     /// Fact: the records of prescribed motions were delayed by the same time, so that the body starts at rest; a
     /// warning if the waves have another delay.
-    QuietMotion {
+    DelayedMotion {
         /// Delay of all prescribed motions (s).
         padding: f64,
         /// Records that needed a delay, with their motion at the start of the run over its peak: the larger ratio
@@ -63,7 +63,7 @@ pub enum Remark {
     },
     /// Warning: a record is declared along x or y of a wave whose azimuth is not 0, so that these axes are not those
     /// of the mesh.
-    TurnedAxis {
+    RotatedAxis {
         /// Name of the record.
         record: String,
         /// Convention given in the scene.
@@ -81,7 +81,7 @@ pub enum Remark {
         top: f64,
     },
     /// Warning: the run ends before 95 % of the Arias intensity of a record has arrived.
-    CutShort {
+    TruncatedRecord {
         /// Name of the record.
         name: String,
         /// Share of the Arias intensity that arrives before the end of the run.
@@ -156,7 +156,7 @@ pub enum Remark {
     },
     /// Fact: a joint is re-initialised in a construction stage or at the start of the run, from where its opening,
     /// slip and energies are counted.
-    JointAnew {
+    JointRenewed {
         /// Name of the joint.
         joint: String,
         /// Name of the stage; `None` for the start of the run.
@@ -215,7 +215,7 @@ pub enum Remark {
     },
     /// Warning after the run: the sampling interval of an acceleration envelope is too long, so that peaks are
     /// missed.
-    RareLooks {
+    SparseEnvelope {
         /// Greatest acceleration of every second sample over that of all samples.
         share: f64,
     },
@@ -242,10 +242,10 @@ pub enum Remark {
         /// Element set of the part.
         set: String,
         /// Description of the inconsistency.
-        doubt: String,
+        warning: String,
     },
     /// Implausible value or combination in a scene.
-    Doubt(SceneDoubt),
+    Scene(SceneRemark),
 }
 
 impl Remark {
@@ -255,27 +255,27 @@ impl Remark {
             Self::Record { .. }
             | Self::RecordFile { .. }
             | Self::Conversion { .. }
-            | Self::QuietMotion { .. }
-            | Self::CutShort { .. }
-            | Self::TurnedAxis { .. }
+            | Self::DelayedMotion { .. }
+            | Self::TruncatedRecord { .. }
+            | Self::RotatedAxis { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
-            Self::LargeSlip { .. } | Self::JointAnew { .. } => Topic::Joints,
+            Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
             Self::NoState { .. }
             | Self::Undersampled { .. }
-            | Self::RareLooks { .. }
-            | Self::Doubt(SceneDoubt::ShortInterval { .. } | SceneDoubt::LongInterval { .. }) => {
+            | Self::SparseEnvelope { .. }
+            | Self::Scene(SceneRemark::ShortInterval { .. } | SceneRemark::LongInterval { .. }) => {
                 Topic::Histories
             }
-            Self::Doubt(SceneDoubt::HeldField { .. } | SceneDoubt::AbsorbingSurface { .. }) => {
-                Topic::Input
-            }
+            Self::Scene(
+                SceneRemark::RestrainedField { .. } | SceneRemark::AbsorbingSurface { .. },
+            ) => Topic::Input,
             _ => Topic::Run,
         }
     }
     /// Text and topic, as written to result files.
-    pub fn doubt(&self) -> Doubt {
-        Doubt {
+    pub fn message(&self) -> Message {
+        Message {
             about: self.topic(),
             text: self.to_string(),
         }
@@ -283,16 +283,16 @@ impl Remark {
     /// Returns whether the remark is a warning (`true`) or a fact (`false`).
     pub fn is_warning(&self) -> bool {
         match self {
-            Self::QuietMotion {
+            Self::DelayedMotion {
                 padding,
                 waves: Some(waves),
                 ..
             } => padding != waves,
-            Self::Doubt(doubt) => doubt.is_warning(),
+            Self::Scene(warning) => warning.is_warning(),
             Self::Record { report, .. } => report.peak_acceleration > LARGE_PEAK,
             Self::Unbalanced { .. }
             | Self::Undersampled { .. }
-            | Self::RareLooks { .. }
+            | Self::SparseEnvelope { .. }
             | Self::DampedRim { .. }
             | Self::DampedHistory { .. }
             | Self::Hourglass { .. }
@@ -301,8 +301,8 @@ impl Remark {
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }
-            | Self::CutShort { .. }
-            | Self::TurnedAxis { .. }
+            | Self::TruncatedRecord { .. }
+            | Self::RotatedAxis { .. }
             | Self::AboveGround { .. }
             | Self::EmptySet { .. }
             | Self::NoState { .. }
@@ -314,8 +314,8 @@ impl Remark {
             | Self::Conversion { .. }
             | Self::QuietStart { .. }
             | Self::Region { .. }
-            | Self::JointAnew { .. }
-            | Self::QuietMotion { waves: None, .. }
+            | Self::JointRenewed { .. }
+            | Self::DelayedMotion { waves: None, .. }
             | Self::Scatterer { .. } => false,
         }
     }
@@ -324,7 +324,7 @@ impl Remark {
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Doubt(doubt) => doubt.fmt(f),
+            Self::Scene(warning) => warning.fmt(f),
             Self::Record {
                 name,
                 report,
@@ -365,7 +365,7 @@ impl fmt::Display for Remark {
                 }
                 Ok(())
             }
-            Self::RecordFile { name, doubt } => write!(f, "record '{name}': {doubt}"),
+            Self::RecordFile { name, warning } => write!(f, "record '{name}': {warning}"),
             Self::Conversion {
                 wave,
                 convention,
@@ -401,7 +401,7 @@ impl fmt::Display for Remark {
                 }
                 Ok(())
             }
-            Self::QuietMotion {
+            Self::DelayedMotion {
                 padding,
                 records,
                 waves,
@@ -426,7 +426,7 @@ impl fmt::Display for Remark {
                     _ => Ok(()),
                 }
             }
-            Self::TurnedAxis {
+            Self::RotatedAxis {
                 record,
                 convention,
                 clear,
@@ -439,7 +439,7 @@ impl fmt::Display for Remark {
                 f,
                 "the in-situ stress of the ground is zero above its level of {level} m, and the body reaches up to {top} m"
             ),
-            Self::CutShort {
+            Self::TruncatedRecord {
                 name,
                 share,
                 run,
@@ -498,7 +498,7 @@ impl fmt::Display for Remark {
                 f,
                 "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; mesh '{set}' with hexahedra or wedges, several across its thickness (finer tetrahedra come nearer slowly)"
             ),
-            Self::JointAnew {
+            Self::JointRenewed {
                 joint,
                 stage,
                 renewal,
@@ -549,7 +549,7 @@ impl fmt::Display for Remark {
                 f,
                 "the acceleration of '{name}' changes between samples around its peak by more than its own size: the motion has frequencies above those that the sampling interval of {interval} s resolves, as when cracks open or close, and its peak is that of the samples, not of the motion"
             ),
-            Self::RareLooks { share } => write!(
+            Self::SparseEnvelope { share } => write!(
                 f,
                 "every second sample of the envelope gives only {:.0} % of its greatest acceleration: its sampling interval is too long and misses peaks; reduce it (`every`)",
                 100.0 * share
@@ -570,7 +570,7 @@ impl fmt::Display for Remark {
                     "rim of part '{set}': {elements} of its {of} elements {within}; they are elastic and undamped"
                 )
             }
-            Self::Material { set, doubt } => write!(f, "material of part '{set}': {doubt}"),
+            Self::Material { set, warning } => write!(f, "material of part '{set}': {warning}"),
             Self::DampedRim { set } => write!(
                 f,
                 "part '{set}' is damped and touches an absorbing face: the free field is elastic, so waves are partly reflected there; give the part a rim"

@@ -17,7 +17,7 @@ use powerhouse_model::{
 use crate::output::{FinishedRun, Named, OutputPlan, Recordings, Results};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
 use crate::stage::{EquilibratedBody, StageSink, Staging, StagingOutcome};
-use crate::{Error, Remark, SceneDoubt, SceneText};
+use crate::{Error, Remark, SceneRemark, SceneText};
 
 /// Sampling interval of the energy balance, over the duration, if energies are not recorded.
 const LOOKS_SHARE: f64 = 0.01;
@@ -233,13 +233,13 @@ impl Simulation {
                 _ => interval == own,
             };
             let asked = interval.filter(|interval| !by_default(*interval));
-            let doubt = match asked {
-                Some(interval) if interval < step => SceneDoubt::ShortInterval {
+            let finding = match asked {
+                Some(interval) if interval < step => SceneRemark::ShortInterval {
                     what,
                     interval,
                     step,
                 },
-                Some(interval) if interval > self.duration => SceneDoubt::LongInterval {
+                Some(interval) if interval > self.duration => SceneRemark::LongInterval {
                     what,
                     interval,
                     duration: self.duration,
@@ -247,18 +247,18 @@ impl Simulation {
                 _ => continue,
             };
             let is_said = |remark: &Remark| {
-                let doubt = match remark {
-                    Remark::Doubt(doubt) => doubt,
+                let finding = match remark {
+                    Remark::Scene(finding) => finding,
                     _ => return false,
                 };
                 matches!(
-                    doubt,
-                    SceneDoubt::ShortInterval { what: said, .. }
-                        | SceneDoubt::LongInterval { what: said, .. } if *said == what
+                    finding,
+                    SceneRemark::ShortInterval { what: said, .. }
+                        | SceneRemark::LongInterval { what: said, .. } if *said == what
                 )
             };
             if !self.remarks.iter().any(is_said) {
-                self.remarks.push(Remark::Doubt(doubt));
+                self.remarks.push(Remark::Scene(finding));
             }
         }
     }

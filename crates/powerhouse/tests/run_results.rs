@@ -105,7 +105,7 @@ impl Observer for Fails {
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         if view.number() == self.at {
-            return Err(ParameterError::check("doubt", 1.0, 0.0, 0.5)
+            return Err(ParameterError::check("warning", 1.0, 0.0, 0.5)
                 .unwrap_err()
                 .into());
         }

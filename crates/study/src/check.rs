@@ -4,7 +4,7 @@ use core::fmt;
 
 use powerhouse::engine::StableStep;
 use powerhouse::model::{ElementKind, QualityReport};
-use powerhouse::{Doubt, Error, Remark, Scene, StageOverview, Topic};
+use powerhouse::{Error, Message, Remark, Scene, StageOverview, Topic};
 
 use crate::StudyError;
 use crate::cost::{self, Cost, StepTimer};
@@ -89,7 +89,7 @@ pub enum Warning {
 
 impl Warning {
     /// Converts the warning to the form that result files contain: its text with the affected kind of results.
-    pub fn doubt(&self) -> Doubt {
+    pub fn message(&self) -> Message {
         let about = match self {
             Self::Remark(remark) => remark.topic(),
             Self::Unresolved { .. } | Self::Format(_) => Topic::Histories,
@@ -98,7 +98,7 @@ impl Warning {
             _ => Topic::Run,
         };
         let text = self.to_string();
-        Doubt { about, text }
+        Message { about, text }
     }
 }
 

@@ -163,7 +163,7 @@ impl StageSink for StageTimer {
             residual: progress.residual,
         });
     }
-    fn at_rest(&mut self, _stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, _stage: &CompletedStage) -> Result<(), Error> {
         self.put(Event::Equilibrium);
         Ok(())
     }

@@ -16,20 +16,20 @@ use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {
     registry.add_law("mohr-coulomb", |keys: MohrCoulombKeys| {
-        let (surface, doubts) = keys.frictional()?.mohr_coulomb()?;
+        let (surface, warnings) = keys.frictional()?.mohr_coulomb()?;
         let material = match keys.softening {
             None => Material::from(ElastoPlastic::new(surface)),
             Some(keys) => Material::from(keys.law(surface)?),
         };
-        Ok(material.with_doubts(doubts))
+        Ok(material.with_warnings(warnings))
     });
     registry.add_law("drucker-prager", |keys: DruckerPragerKeys| {
-        let (surface, doubts) = keys.frictional()?.drucker_prager(keys.fit)?;
-        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
+        let (surface, warnings) = keys.frictional()?.drucker_prager(keys.fit)?;
+        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
     });
     registry.add_law("two-surface", |keys: TwoSurfaceKeys| {
-        let (surface, doubts) = keys.frictional()?.two_surface()?;
-        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
+        let (surface, warnings) = keys.frictional()?.two_surface()?;
+        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
     });
 }
 

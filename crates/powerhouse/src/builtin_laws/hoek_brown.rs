@@ -55,7 +55,7 @@ impl HoekBrownKeys {
             self.tensile_strength.map(NonNegative::get),
             self.compressive_strength.map(Positive::get),
         ];
-        let doubts = surface.findings(listed);
-        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
+        let warnings = surface.findings(listed);
+        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
     }
 }

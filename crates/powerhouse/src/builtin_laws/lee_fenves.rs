@@ -131,7 +131,7 @@ impl LeeFenvesKeys {
                 .unwrap_or(RESIDUAL_STIFFNESS),
         });
         let law = law.map_err(placed)?;
-        let doubts = law.findings();
-        Ok(Material::from(law).with_doubts(doubts))
+        let warnings = law.findings();
+        Ok(Material::from(law).with_warnings(warnings))
     }
 }

@@ -135,7 +135,7 @@ impl MazarsKeys {
                 .residual_stiffness
                 .map_or(RESIDUAL_STIFFNESS, Share::get),
         });
-        let doubts = Finding::of_medium(&medium);
-        Ok(Material::from(law.map_err(placed)?).with_doubts(doubts))
+        let warnings = Finding::of_medium(&medium);
+        Ok(Material::from(law.map_err(placed)?).with_warnings(warnings))
     }
 }

@@ -124,6 +124,6 @@ impl PlasticDamageKeys {
                 .or(preset.map(|p| p.residual_stiffness))
                 .unwrap_or(RESIDUAL_STIFFNESS),
         });
-        Ok(Material::from(law.map_err(placed)?).with_doubts(findings))
+        Ok(Material::from(law.map_err(placed)?).with_warnings(findings))
     }
 }

@@ -16,7 +16,7 @@ use super::lock::{FolderError, FolderLock};
 use super::stages::StageFiles;
 use super::summary::Summary;
 use super::{Results, drawing, vtu};
-use crate::doubt::{RunNotes, Topic};
+use crate::message::{RunNotes, Topic};
 use crate::{Error, Simulation, StageSink};
 
 /// Results folder: writes the result files of a run.

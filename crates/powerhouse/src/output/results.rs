@@ -130,34 +130,34 @@ impl Results {
     }
     /// Warnings about the results: large slips, large hourglass energy, unbalanced in-situ stress, coarse
     /// sampling.
-    pub fn doubts(&self, mesh: &Mesh) -> Vec<Remark> {
+    pub fn warnings(&self, mesh: &Mesh) -> Vec<Remark> {
         let shares = self.slip_shares(mesh).into_iter();
         let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
         let remark = |(joint, share): (&str, f64)| Remark::LargeSlip {
             joint: joint.into(),
             share,
         };
-        let mut doubts: Vec<Remark> = large.map(remark).collect();
-        let resists = |stage: Option<&str>, sets: &[HourglassShare], doubts: &mut Vec<Remark>| {
+        let mut warnings: Vec<Remark> = large.map(remark).collect();
+        let resists = |stage: Option<&str>, sets: &[HourglassShare], warnings: &mut Vec<Remark>| {
             let large = sets
                 .iter()
                 .filter(|set| set.share() > HourglassShare::LIMIT);
-            doubts.extend(large.map(|set| Remark::Hourglass {
+            warnings.extend(large.map(|set| Remark::Hourglass {
                 stage: stage.map(String::from),
                 set: set.set.clone(),
                 share: set.share(),
             }));
         };
         for stage in &self.stages {
-            resists(Some(&stage.name), &stage.hourglass, &mut doubts);
+            resists(Some(&stage.name), &stage.hourglass, &mut warnings);
         }
-        resists(None, &self.run.hourglass, &mut doubts);
+        resists(None, &self.run.hourglass, &mut warnings);
         let mut worst: Vec<Remark> = Vec::new();
-        for doubt in doubts {
-            keep_worst(&mut worst, doubt);
+        for warning in warnings {
+            keep_worst(&mut worst, warning);
         }
         worst.extend(self.unbalanced());
-        worst.extend(sampling::doubts(&self.histories, self.envelope.as_ref()));
+        worst.extend(sampling::warnings(&self.histories, self.envelope.as_ref()));
         worst
     }
     /// Warning about an in-situ stress that is not in equilibrium with the loads of the first stage, unless that stage
@@ -394,8 +394,8 @@ impl Recordings {
 }
 
 /// Adds a warning; of those about the hourglass work of one set in several stages only the largest is kept.
-fn keep_worst(doubts: &mut Vec<Remark>, doubt: Remark) {
-    let of_stage = |doubt: &Remark| match doubt {
+fn keep_worst(warnings: &mut Vec<Remark>, warning: Remark) {
+    let of_stage = |warning: &Remark| match warning {
         Remark::Hourglass {
             stage: Some(_),
             set,
@@ -403,16 +403,16 @@ fn keep_worst(doubts: &mut Vec<Remark>, doubt: Remark) {
         } => Some((set.clone(), *share)),
         _ => None,
     };
-    let known = of_stage(&doubt).and_then(|(set, share)| {
-        let mut known = doubts.iter_mut();
+    let known = of_stage(&warning).and_then(|(set, share)| {
+        let mut known = warnings.iter_mut();
         let found = known.find(|known| of_stage(known).is_some_and(|(other, _)| other == set));
         found.map(|known| (known, share))
     });
     match known {
-        None => doubts.push(doubt),
+        None => warnings.push(warning),
         Some((known, share)) => {
             if of_stage(known).is_some_and(|(_, least)| share > least) {
-                *known = doubt;
+                *known = warning;
             }
         }
     }

@@ -15,7 +15,7 @@ const ROUGH: f64 = 1.0;
 const OF_ALTERNATE_LOOKS: f64 = 0.9;
 
 /// Warnings about accelerations with too long sampling intervals.
-pub(super) fn doubts(histories: &HistoryTable, envelope: Option<&EnvelopeTable>) -> Vec<Remark> {
+pub(super) fn warnings(histories: &HistoryTable, envelope: Option<&EnvelopeTable>) -> Vec<Remark> {
     let mut warnings: Vec<Remark> = Vec::new();
     if let [first, .., last] = histories.times[..] {
         let interval = rounded((last - first) / (histories.times.len() - 1) as f64);
@@ -30,7 +30,7 @@ pub(super) fn doubts(histories: &HistoryTable, envelope: Option<&EnvelopeTable>)
     }
     let share = envelope.and_then(EnvelopeTable::share_of_alternate_samples);
     let sparse = share.filter(|share| *share < OF_ALTERNATE_LOOKS);
-    warnings.extend(sparse.map(|share| Remark::RareLooks { share }));
+    warnings.extend(sparse.map(|share| Remark::SparseEnvelope { share }));
     warnings
 }
 

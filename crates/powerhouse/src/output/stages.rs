@@ -118,7 +118,7 @@ fn element_values(state: &State, variable: &HistoryVariable, count: usize) -> Ve
 }
 
 impl StageSink for StageFiles {
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         Ok(self.write(stage)?)
     }
 }

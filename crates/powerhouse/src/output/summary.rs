@@ -6,7 +6,7 @@ use powerhouse_model::{LimitingTerm, Mesh};
 use serde::Serialize;
 
 use super::{BoltForces, Results};
-use crate::doubt::{Doubt, RunNotes};
+use crate::message::{Message, RunNotes};
 
 /// Content of `summary.json`.
 #[derive(Debug, Serialize)]
@@ -41,7 +41,7 @@ pub(super) struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     energy_residual: Option<Residual>,
     /// Warnings about the results, to be shown with them
-    warnings: Vec<Doubt>,
+    warnings: Vec<Message>,
     /// Facts about the composition of the scene
     remarks: Vec<String>,
     /// Whether laws or joints have history variables, so that results depend on the load path
@@ -249,7 +249,7 @@ impl Summary {
                 share_of_input: residual.share_of_input,
                 largest: residual.largest,
             }),
-            warnings: notes.doubts(&results.doubts(mesh)),
+            warnings: notes.all_warnings(&results.warnings(mesh)),
             remarks: notes.facts(),
             path_dependent: results.state.is_some() || !results.joints.is_empty(),
             files: Vec::new(),

@@ -120,7 +120,7 @@ fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
         },
         _ => return None,
     };
-    (azimuth % 360.0 != 0.0).then(|| Remark::TurnedAxis {
+    (azimuth % 360.0 != 0.0).then(|| Remark::RotatedAxis {
         record: name.to_string(),
         convention,
         clear,

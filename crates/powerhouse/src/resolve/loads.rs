@@ -244,7 +244,7 @@ fn arrivals(
             _ => None,
         });
         let has_waves = scene.field.is_some();
-        scene.remarks.push(Remark::QuietMotion {
+        scene.remarks.push(Remark::DelayedMotion {
             padding,
             records: levels.into_iter().collect(),
             waves: has_waves.then(|| waves.unwrap_or(0.0)),

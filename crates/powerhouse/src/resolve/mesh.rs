@@ -8,7 +8,7 @@ use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 use super::ordered;
 use crate::fault::{Fault, SceneText};
 use crate::format::{self, At, Finite};
-use crate::{Registry, Remark, SceneDoubt};
+use crate::{Registry, Remark, SceneRemark};
 
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
@@ -76,12 +76,12 @@ fn unused(report: &GmshReport) -> Option<Remark> {
         true => report.ungrouped_elements,
         false => 0,
     };
-    let found = SceneDoubt::MeshFile {
+    let found = SceneRemark::MeshFile {
         nodes,
         dropped,
         ungrouped,
     };
-    (nodes + dropped + ungrouped > 0).then_some(Remark::Doubt(found))
+    (nodes + dropped + ungrouped > 0).then_some(Remark::Scene(found))
 }
 
 /// Plane slice of a mesh.

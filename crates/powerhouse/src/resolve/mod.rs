@@ -119,10 +119,10 @@ pub(crate) fn compose(
             report: record.report,
             baseline: record.baseline,
         });
-        for doubt in &record.doubts {
+        for warning in &record.warnings {
             scene.remarks.push(Remark::RecordFile {
                 name: name.clone(),
-                doubt: doubt.clone(),
+                warning: warning.clone(),
             });
         }
     }
@@ -359,7 +359,10 @@ fn check_kernels(names: &Names, file: &SceneFile, parts: &[Part]) -> Result<(), 
         let kinds = elements.iter().map(|&element| names.mesh.kind(element));
         if let (Some(kernel), Some(at)) = (part.idle_kernel(kinds), &table.kernel) {
             let (set, kernel) = (part.set.clone(), kernel.name().into());
-            return Err(Fault::refused(at.span(), Error::IdleKernel { set, kernel }));
+            return Err(Fault::refused(
+                at.span(),
+                Error::UnusedKernel { set, kernel },
+            ));
         }
         let unserved = |&&element: &&u32| part.kernel_for(names.mesh.kind(element)).is_none();
         if let Some(&element) = elements.iter().find(unserved) {

@@ -34,7 +34,7 @@ pub(super) struct PreparedRecord {
     pub(super) report: RecordReport,
     pub(super) baseline: Option<BaselineReport>,
     /// Differences of the file from its declaration.
-    pub(super) doubts: Vec<String>,
+    pub(super) warnings: Vec<String>,
 }
 
 /// Reads and processes all records, by name.
@@ -74,7 +74,7 @@ fn processed(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRe
     let present = present.fold(0.0, f64::max);
     let end = table.end_displacement.map_or(0.0, Finite::get);
     let mut processed = Vec::new();
-    for (part, mut history, baseline, doubts) in parts {
+    for (part, mut history, baseline, warnings) in parts {
         let refused = |error: WaveError| Fault::refused(name.clone(), error);
         if let Some(peak) = table.peak {
             if present == 0.0 {
@@ -94,7 +94,7 @@ fn processed(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRe
             convention_span: table.convention.span(),
             report,
             baseline,
-            doubts,
+            warnings,
         };
         processed.push((part, record));
     }
@@ -249,7 +249,7 @@ pub(super) fn cut_short(
         true => history.truncated(contained, 0.0).ok()?.arias_intensity(),
         false => 0.0,
     };
-    (part < LEAST_SHARE * whole).then(|| Remark::CutShort {
+    (part < LEAST_SHARE * whole).then(|| Remark::TruncatedRecord {
         name: name.into(),
         share: part / whole,
         run: end,

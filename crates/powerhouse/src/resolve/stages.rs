@@ -16,7 +16,7 @@ use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, GRAVITY, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StageSpans;
 use crate::stage::{Timeline, check_removal, surface_of};
-use crate::{BoltPlace, InSituStress, Material, Scene, SceneBolts, SceneStage};
+use crate::{BoltLayout, InSituStress, Material, Scene, SceneBolts, SceneStage};
 
 /// Young's modulus of steel (Pa).
 const STEEL: f64 = 200.0e9;
@@ -177,8 +177,8 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
             return Err(one_of(span, &["diameter", "section"], &given));
         }
     };
-    let place = match (&bolts.lines, &bolts.pattern) {
-        (Some(lines), None) => BoltPlace::Lines(
+    let layout = match (&bolts.lines, &bolts.pattern) {
+        (Some(lines), None) => BoltLayout::Lines(
             (lines.iter())
                 .map(|[head, toe]| BoltLine {
                     head: vector(head),
@@ -188,7 +188,7 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
         ),
         (None, Some(pattern)) => {
             names.facets(&pattern.facets)?;
-            BoltPlace::Pattern {
+            BoltLayout::Pattern {
                 facets: pattern.facets.to_string(),
                 pattern: BoltPattern {
                     along: direction(&pattern.along)?,
@@ -232,7 +232,7 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
     })?;
     Ok(SceneBolts {
         name: bolts.name.to_string(),
-        place,
+        layout,
         parameters,
     })
 }

@@ -8,7 +8,7 @@ use powerhouse_model::ElementKind;
 
 use super::Scene;
 use crate::acting::{StagedLoad, function};
-use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneDoubt};
+use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneRemark};
 
 /// Elements of one part with one kernel and one material.
 pub(crate) struct Piece {
@@ -48,14 +48,14 @@ impl Scene {
     pub(super) fn pieces(&self, rims: &[HashSet<u32>]) -> Result<(Vec<Piece>, Vec<Remark>), Error> {
         let (mut pieces, mut remarks) = (Vec::new(), Vec::new());
         for (place, (part, rim)) in self.parts.iter().zip(rims).enumerate() {
-            let doubts = part.material.doubts().iter();
-            remarks.extend(doubts.map(|doubt| Remark::Material {
+            let warnings = part.material.warnings().iter();
+            remarks.extend(warnings.map(|warning| Remark::Material {
                 set: part.set.clone(),
-                doubt: doubt.clone(),
+                warning: warning.clone(),
             }));
             let kinds = self.by_kind(part)?;
             if let Some(kernel) = part.idle_kernel(kinds.iter().map(|(kind, _)| *kind)) {
-                return Err(Error::IdleKernel {
+                return Err(Error::UnusedKernel {
                     set: part.set.clone(),
                     kernel: kernel.name().into(),
                 });
@@ -172,7 +172,7 @@ impl Scene {
             });
             let changes = part.damping != Damping::None || !part.material.is_linear();
             if rim.len() == of && (changes || width > 0.0) {
-                facts.push(Remark::Doubt(SceneDoubt::WholeRim { set: set() }));
+                facts.push(Remark::Scene(SceneRemark::WholeRim { set: set() }));
             }
         }
         Ok(facts)

@@ -7,7 +7,7 @@ use super::{InputOverview, Scene};
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::format::{Allowance, Case, SceneFile};
 use crate::output::{NamedThing, check_names};
-use crate::{Error, Registry, SceneDoubt, format, resolve};
+use crate::{Error, Registry, SceneRemark, format, resolve};
 
 impl Scene {
     /// Scene of a file, with its mesh and its records; laws, kernels and boundaries are those that come with
@@ -82,7 +82,7 @@ impl Scene {
         }
         let mut scene = resolve::compose(&text, &file, registry).map_err(refused)?;
         for (magnitude, _) in unusual {
-            scene.remark_once(SceneDoubt::Magnitude(magnitude));
+            scene.remark_once(SceneRemark::Magnitude(magnitude));
         }
         // With the text, faults of the whole scene are reported with line and column.
         let source = Some(text.clone());

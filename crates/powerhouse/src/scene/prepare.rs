@@ -64,7 +64,7 @@ impl Scene {
         remarks.extend(self.above_ground(timeline.as_ref()));
         remarks.extend(self.joints.iter().filter_map(|joint| {
             let (stage, renewal) = last_renewal(&self.stages, &joint.name)?;
-            Some(Remark::JointAnew {
+            Some(Remark::JointRenewed {
                 joint: joint.name.clone(),
                 stage: stage.map(str::to_owned),
                 renewal,
@@ -164,8 +164,8 @@ impl Scene {
         }
         let present = timeline.and_then(Timeline::present);
         let parts = self.boundary_parts(present, remarks)?;
-        let doubts = self.doubts_of_weight(parts.as_ref());
-        remarks.extend(doubts.into_iter().map(Remark::Doubt));
+        let warnings = self.gravity_warnings(parts.as_ref());
+        remarks.extend(warnings.into_iter().map(Remark::Scene));
         if let Some(parts) = parts {
             builder = builder.boundary(parts);
         }

@@ -32,7 +32,7 @@ impl Scene {
             let rim: HashSet<u32> = elements.filter(is_near).collect();
             if rim.is_empty() {
                 let set = part.set.clone();
-                return Err(Error::IdleRim { set, width });
+                return Err(Error::EmptyRim { set, width });
             }
             Ok(rim)
         };

@@ -8,7 +8,7 @@ use powerhouse_model::{BoundaryParts, Mesh, Vec3};
 use super::Scene;
 use crate::magnitude::{self, Magnitude, MagnitudeOf, rounded};
 use crate::output::{NamedThing, check_names};
-use crate::scene_doubt::SceneDoubt;
+use crate::scene_remark::SceneRemark;
 use crate::{Error, Remark};
 
 /// Least cosine between two directions for a support along one to restrain the other: that of 80 degrees.
@@ -108,14 +108,14 @@ impl Scene {
                 let magnitude = Box::new(magnitude);
                 return Err(Error::Magnitude { magnitude, of });
             }
-            self.remark_once(SceneDoubt::Magnitude(magnitude));
+            self.remark_once(SceneRemark::Magnitude(magnitude));
         }
         Ok(())
     }
 
     /// Adds a remark unless the scene has it already.
-    pub(crate) fn remark_once(&mut self, doubt: SceneDoubt) {
-        let remark = Remark::Doubt(doubt);
+    pub(crate) fn remark_once(&mut self, remark: SceneRemark) {
+        let remark = Remark::Scene(remark);
         if !self.remarks.contains(&remark) {
             self.remarks.push(remark);
         }
@@ -131,7 +131,7 @@ impl Scene {
     pub(super) fn check_threads(&mut self) {
         let available = available_threads();
         if let Some(wanted) = self.threads.filter(|wanted| *wanted > available) {
-            self.remark_once(SceneDoubt::Threads { wanted, available });
+            self.remark_once(SceneRemark::Threads { wanted, available });
         }
     }
 
@@ -164,7 +164,7 @@ impl Scene {
     }
 
     /// Warnings about gravity in a scene without stages: unsupported bodies, and gravity applied suddenly.
-    pub(super) fn doubts_of_weight(&self, boundary: Option<&BoundaryParts>) -> Vec<SceneDoubt> {
+    pub(super) fn gravity_warnings(&self, boundary: Option<&BoundaryParts>) -> Vec<SceneRemark> {
         let acts = |(acceleration, history): &&(Vec3, crate::acting::SharedFunction)| {
             acceleration.norm() * history.value(self.start).abs() > 0.0
                 || (acceleration.norm() > 0.0 && history.value(self.start + self.duration) != 0.0)
@@ -175,7 +175,7 @@ impl Scene {
         if !self.stages.is_empty() {
             return Vec::new();
         }
-        let mut doubts = Vec::new();
+        let mut warnings = Vec::new();
         let held = self.held_along(acceleration.normalize(), boundary);
         let mut bodies = Bodies::of(&self.mesh);
         for joint in &self.joints {
@@ -202,11 +202,11 @@ impl Scene {
             self.constraints.is_empty() && boundary.is_none_or(|parts| parts.blocks.is_empty());
         if !falling.is_empty() && alone {
             let sets = falling.into_iter().map(str::to_owned).collect();
-            doubts.push(SceneDoubt::Unheld { sets });
+            warnings.push(SceneRemark::UnsupportedBody { sets });
         } else if self.is_sudden() {
-            doubts.push(SceneDoubt::SuddenWeight);
+            warnings.push(SceneRemark::SuddenGravity);
         }
-        doubts
+        warnings
     }
 
     /// Returns whether gravity acts fully from the first step on.

@@ -133,7 +133,7 @@ impl SceneSpans {
                 MagnitudeOf::Scene => return None,
             },
             Error::UnusedField { .. } => self.field.clone(),
-            Error::IdleRim { set, .. } => return self.rims.get(set).cloned(),
+            Error::EmptyRim { set, .. } => return self.rims.get(set).cloned(),
             Error::Staging { stage, source } => {
                 return self.stages.find(stage.as_deref(), source.item());
             }

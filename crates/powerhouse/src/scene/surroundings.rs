@@ -8,7 +8,7 @@ use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentF
 use powerhouse_wavefield::Site;
 
 use super::{InitialMotion, Scene};
-use crate::{Damping, Error, Remark, SceneDoubt};
+use crate::{Damping, Error, Remark, SceneRemark};
 
 /// Largest permitted displacement and velocity of a field over their peaks at the start of a body at rest. A single
 /// wave is reduced to half of it, since several may add up.
@@ -229,10 +229,10 @@ impl Scene {
         let faces = faces
             .iter()
             .filter(|(_, facets)| facets.iter().any(lies_on));
-        let doubts = faces.map(|(face, _)| SceneDoubt::AbsorbingSurface {
+        let warnings = faces.map(|(face, _)| SceneRemark::AbsorbingSurface {
             face: (*face).into(),
         });
-        doubts.map(Remark::Doubt).collect()
+        warnings.map(Remark::Scene).collect()
     }
 
     /// Warning about supports that restrain nodes in a direction in which the free field moves. Outside of a domain
@@ -282,7 +282,7 @@ impl Scene {
         let share = worst.0 / fastest;
         let node = self.mesh.node_tags()[worst.1 as usize];
         let is_held = worst.0 > 0.0 && share > TRACTION_OF_NOTE;
-        Ok(is_held.then_some(Remark::Doubt(SceneDoubt::HeldField { share, node })))
+        Ok(is_held.then_some(Remark::Scene(SceneRemark::RestrainedField { share, node })))
     }
 
     /// Sides of the bounding box except its top with free facets, and all other free facets.

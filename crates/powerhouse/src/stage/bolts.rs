@@ -10,7 +10,7 @@ use crate::Error;
 
 /// Layout of a bolt group.
 #[derive(Clone, Debug, PartialEq)]
-pub enum BoltPlace {
+pub enum BoltLayout {
     /// Given axes, each from head to toe.
     Lines(Vec<BoltLine>),
     /// Regular pattern on those facets of a set that are on the surface of the body when the bolts are installed.
@@ -28,7 +28,7 @@ pub struct SceneBolts {
     /// Name in stages and results.
     pub name: String,
     /// Layout of the bolts.
-    pub place: BoltPlace,
+    pub layout: BoltLayout,
     /// Properties of bar and grout.
     pub parameters: BoltParameters,
 }
@@ -44,16 +44,16 @@ impl SceneBolts {
         let hosts: Vec<u32> = (0..present.len() as u32)
             .filter(|element| is_active(element) && mesh.kind(*element).is_solid())
             .collect();
-        let lines = match &self.place {
-            BoltPlace::Lines(lines) => lines.clone(),
-            BoltPlace::Pattern { facets, pattern } => {
+        let lines = match &self.layout {
+            BoltLayout::Lines(lines) => lines.clone(),
+            BoltLayout::Pattern { facets, pattern } => {
                 let facets = surface_of(mesh, present, mesh.facet_set(facets)?);
                 pattern.lines(mesh, &facets, &hosts).map_err(refused)?
             }
         };
         if lines.is_empty() {
             let name = self.name.clone();
-            return Err(Error::of_bolts(StagingError::NoPlace { name }));
+            return Err(Error::of_bolts(StagingError::NoFreeFacet { name }));
         }
         BoltSet::new(&self.name, mesh, &hosts, &lines, self.parameters).map_err(refused)
     }

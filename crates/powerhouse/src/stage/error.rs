@@ -21,7 +21,7 @@ pub enum StagingError {
     },
     /// Inactive element in an excavated set.
     #[error("element {element} of set '{set}' cannot be excavated: it is not active")]
-    NotThere {
+    NotActive {
         /// Element set.
         set: String,
         /// Number of the element in the mesh file.
@@ -29,7 +29,7 @@ pub enum StagingError {
     },
     /// Active element in a cast set.
     #[error("element {element} of set '{set}' cannot be cast: it is active already")]
-    AlreadyThere {
+    AlreadyActive {
         /// Element set.
         set: String,
         /// Number of the element in the mesh file.
@@ -45,7 +45,7 @@ pub enum StagingError {
     #[error(
         "no element of part '{set}' is active in this stage, so that it cannot have another material; elements that are cast later have the material of their part"
     )]
-    AbsentPart {
+    InactivePart {
         /// Element set.
         set: String,
     },
@@ -57,13 +57,13 @@ pub enum StagingError {
     },
     /// Bolt group that an earlier stage installed already.
     #[error("the bolts '{name}' are installed already")]
-    BoltsTwice {
+    AlreadyInstalled {
         /// Name.
         name: String,
     },
     /// Bolt group that no stage installs.
     #[error("no stage installs the bolts '{name}'")]
-    IdleBolts {
+    UnusedBolts {
         /// Name.
         name: String,
     },
@@ -77,7 +77,7 @@ pub enum StagingError {
     #[error(
         "the pattern of the bolts '{name}' has no facet on the surface of the body when it is installed"
     )]
-    NoPlace {
+    NoFreeFacet {
         /// Name.
         name: String,
     },
@@ -164,11 +164,11 @@ impl StagingError {
     pub(crate) fn item(&self) -> (&'static str, &str) {
         match self {
             Self::NoSuchSet { set, what } => (what, set),
-            Self::NotThere { set, .. } | Self::Bolted { set, .. } => ("excavate", set),
-            Self::AlreadyThere { set, .. } => ("cast", set),
-            Self::NoSuchPart { set } | Self::AbsentPart { set } => ("part", set),
-            Self::NoSuchBolts { name } | Self::BoltsTwice { name } => ("bolts", name),
-            Self::IdleBolts { name } | Self::SameBolts { name } | Self::NoPlace { name } => {
+            Self::NotActive { set, .. } | Self::Bolted { set, .. } => ("excavate", set),
+            Self::AlreadyActive { set, .. } => ("cast", set),
+            Self::NoSuchPart { set } | Self::InactivePart { set } => ("part", set),
+            Self::NoSuchBolts { name } | Self::AlreadyInstalled { name } => ("bolts", name),
+            Self::UnusedBolts { name } | Self::SameBolts { name } | Self::NoFreeFacet { name } => {
                 ("bolt", name)
             }
             Self::Bolts { name, .. } => ("bolt", name),

@@ -34,7 +34,7 @@ impl EquilibratedBody {
     /// Reads a body that was [written](Self::write): the same to the last bit.
     ///
     /// # Errors
-    /// A file that cannot be read, [`Error::NotABody`] for one that holds no whole body.
+    /// A file that cannot be read, [`Error::UnreadableBody`] for one that holds no whole body.
     pub fn read(file: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(file).map_err(|source| Error::Read {
             path: file.into(),
@@ -50,7 +50,7 @@ impl EquilibratedBody {
             let body = Self::get(&mut rest)?;
             rest.is_empty().then_some(body)
         };
-        whole().ok_or_else(|| Error::NotABody { path: file.into() })
+        whole().ok_or_else(|| Error::UnreadableBody { path: file.into() })
     }
 }
 

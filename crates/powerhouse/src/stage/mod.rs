@@ -10,7 +10,7 @@ mod rest;
 mod timeline;
 
 pub(crate) use bolts::surface_of;
-pub use bolts::{BoltPlace, SceneBolts};
+pub use bolts::{BoltLayout, SceneBolts};
 pub use error::StagingError;
 pub use in_situ::{InSituError, InSituStress};
 pub use list::SceneStage;

@@ -48,7 +48,7 @@ pub trait StageSink: Send {
     ///
     /// # Errors
     /// An error ends the run.
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error>;
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error>;
 }
 
 /// Equilibrated body: state after the construction stages of a scene, from which dynamic runs of the scene and of its
@@ -145,7 +145,7 @@ impl Staging {
             let report;
             (state, stress, report) = self.equilibrate(index, state, stop, &mut sink)?;
             if let Some(sink) = &mut sink {
-                sink.at_rest(&CompletedStage {
+                sink.completed(&CompletedStage {
                     index,
                     count: self.scene.stages.len(),
                     report: &report,

@@ -71,7 +71,7 @@ impl Timeline {
         let idle = |bolts: &&crate::SceneBolts| !found.installed.contains(&bolts.name);
         if let Some(bolts) = scene.bolts.iter().find(idle) {
             let name = bolts.name.clone();
-            return Err(Error::of_bolts(StagingError::IdleBolts { name }));
+            return Err(Error::of_bolts(StagingError::UnusedBolts { name }));
         }
         Ok(Some(Self {
             absent,
@@ -269,7 +269,7 @@ impl Progress<'_> {
                 let (set, tag) = (set.clone(), mesh.element_tags()[element as usize]);
                 if !self.present[element as usize] {
                     let element = tag;
-                    return Err(StagingError::NotThere { set, element });
+                    return Err(StagingError::NotActive { set, element });
                 }
                 if let Some(name) = self.bolted.get(&element) {
                     let (element, name) = (tag, name.clone());
@@ -291,7 +291,7 @@ impl Progress<'_> {
             for &element in elements(mesh, set, "cast")? {
                 if self.present[element as usize] {
                     let (set, element) = (set.clone(), mesh.element_tags()[element as usize]);
-                    return Err(StagingError::AlreadyThere { set, element });
+                    return Err(StagingError::AlreadyActive { set, element });
                 }
                 cast.push(element);
             }
@@ -316,7 +316,7 @@ impl Progress<'_> {
             let part = part.ok_or_else(|| StagingError::NoSuchPart { set: set.clone() })?;
             let elements = mesh.element_set(set).unwrap_or_default();
             if !elements.iter().any(|&e| self.present[e as usize]) {
-                return Err(StagingError::AbsentPart { set: set.clone() });
+                return Err(StagingError::InactivePart { set: set.clone() });
             }
             self.materials.insert(part, material.clone());
         }
@@ -334,7 +334,7 @@ impl Progress<'_> {
             };
             if self.installed.contains(name) {
                 let name = name.clone();
-                return Err(StagingError::BoltsTwice { name }.into());
+                return Err(StagingError::AlreadyInstalled { name }.into());
             }
             let set = bolts
                 .embed(mesh, &self.present)

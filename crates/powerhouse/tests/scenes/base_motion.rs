@@ -81,7 +81,7 @@ fn run(scene: Scene) -> (Vec<Remark>, Results) {
 
 fn padding(remarks: &[Remark]) -> Option<f64> {
     remarks.iter().find_map(|remark| match remark {
-        Remark::QuietMotion { padding, .. } => Some(*padding),
+        Remark::DelayedMotion { padding, .. } => Some(*padding),
         _ => None,
     })
 }

@@ -135,7 +135,7 @@ fn the_cost_of_flat_damping_is_told() {
     let (_, at_rest) = step(flat(3, ReferenceFrequency::Static));
     let at_rest = at_rest.unwrap().0;
     assert!(
-        at_rest.step < cost.step && at_rest.speeds[0] > 1.0 && at_rest.at_rest == 1.0,
+        at_rest.step < cost.step && at_rest.speeds[0] > 1.0 && at_rest.static_stiffness == 1.0,
         "{at_rest:?}"
     );
 }
@@ -335,8 +335,8 @@ fn a_rim_without_elements_is_refused() {
     let Err(error) = cube_with(mesh, parts.to_vec()).prepare() else {
         panic!("an idle rim is accepted");
     };
-    assert!(matches!(error, Error::IdleRim { set, width: 20.0 } if set == "inner"));
+    assert!(matches!(error, Error::EmptyRim { set, width: 20.0 } if set == "inner"));
     // A scene without absorbing faces has no rim either.
     let free = Scene::new("free", cube()).part(Part::new("rock", elastic()).with_rim(10.0));
-    assert!(matches!(free.prepare(), Err(Error::IdleRim { .. })));
+    assert!(matches!(free.prepare(), Err(Error::EmptyRim { .. })));
 }

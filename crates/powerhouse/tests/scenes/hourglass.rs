@@ -16,8 +16,8 @@ fn scene(mesh: &Mesh, text: String) -> Scene {
 
 /// Shares of hourglass work in the warnings of a run, by set.
 fn warned(results: &Results, mesh: &Mesh) -> Vec<(Option<String>, String, f64)> {
-    let doubts = results.doubts(mesh).into_iter();
-    let found = doubts.filter_map(|doubt| match doubt {
+    let warnings = results.warnings(mesh).into_iter();
+    let found = warnings.filter_map(|warning| match warning {
         Remark::Hourglass { stage, set, share } => Some((stage, set, share)),
         _ => None,
     });

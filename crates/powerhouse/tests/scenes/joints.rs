@@ -234,14 +234,14 @@ fn large_slip_is_told() {
         (run(scene), mesh)
     };
     let (small, mesh) = runs(0.01);
-    assert_eq!(small.doubts(&mesh), []);
+    assert_eq!(small.warnings(&mesh), []);
     let (large, mesh) = runs(20.0);
-    let doubts = large.doubts(&mesh);
-    let [Remark::LargeSlip { joint, share }] = &doubts[..] else {
-        panic!("{doubts:?}")
+    let warnings = large.warnings(&mesh);
+    let [Remark::LargeSlip { joint, share }] = &warnings[..] else {
+        panic!("{warnings:?}")
     };
     assert_eq!((joint.as_str(), *share), large.slip_shares(&mesh)[0]);
-    assert!(*share > 0.1 && doubts[0].is_warning());
+    assert!(*share > 0.1 && warnings[0].is_warning());
 }
 
 /// A joint through periodic sides is infinite: bonded, the body moves as without it; where it fails, it slips

@@ -359,7 +359,7 @@ fn turned_axes_are_warned_of() {
             let warned = scene
                 .remarks()
                 .iter()
-                .any(|remark| matches!(remark, Remark::TurnedAxis { .. }) && remark.is_warning());
+                .any(|remark| matches!(remark, Remark::RotatedAxis { .. }) && remark.is_warning());
             let expected = azimuth % 360.0 != 0.0 && ["x", "y"].contains(&name);
             assert_eq!(warned, expected, "{convention} {azimuth}");
         }

@@ -14,8 +14,8 @@ fn implied_strengths_are_told() {
     let mass = "law = \"hoek-brown\"\nyoung = 9e9\npoisson = 0.27\ndensity = 2750\nintact_strength = 6e7\nintact_constant = 12\nstrength_index = 55\n";
     let told = |keys: &str| -> Vec<String> {
         let scene = variants.read(ELASTIC, keys).unwrap();
-        let doubts = scene.parts()[0].material.doubts();
-        doubts.to_vec()
+        let warnings = scene.parts()[0].material.warnings();
+        warnings.to_vec()
     };
     assert_eq!(told(mass), Vec::<String>::new());
     // s^a = exp(-5 a) with a = 0.504 of 60 MPa.

@@ -9,7 +9,7 @@ use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::{
     Boundary, Error, Material, NameError, Part, Problem, Registry, Remark, RunNotes, Scene,
-    SceneDoubt, SceneFault, SceneStage,
+    SceneFault, SceneRemark, SceneStage,
 };
 
 use crate::support::*;
@@ -23,16 +23,16 @@ fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault> {
     }
 }
 
-fn doubts(remarks: &[Remark]) -> Vec<SceneDoubt> {
-    let doubts = remarks.iter().filter_map(|remark| match remark {
-        Remark::Doubt(doubt) => Some(doubt.clone()),
+fn warnings(remarks: &[Remark]) -> Vec<SceneRemark> {
+    let warnings = remarks.iter().filter_map(|remark| match remark {
+        Remark::Scene(warning) => Some(warning.clone()),
         _ => None,
     });
-    doubts.collect()
+    warnings.collect()
 }
 
-fn doubts_of(scene: Scene) -> Vec<SceneDoubt> {
-    doubts(scene.prepare().unwrap().remarks())
+fn warnings_of(scene: Scene) -> Vec<SceneRemark> {
+    warnings(scene.prepare().unwrap().remarks())
 }
 
 /// A name that is repeated in any list of names of a scene is an error at its second position, and so is a table that
@@ -234,14 +234,14 @@ fn magnitudes_beyond_the_usual_are_refused() {
         let text = text.replacen(old, new, 1);
         Scene::from_toml(text, &folder, &Registry::default()).unwrap()
     };
-    assert_eq!(doubts_of(read("0.27", "0.27")), []);
-    let found = doubts_of(read("density = 2750", "density = 27"));
+    assert_eq!(warnings_of(read("0.27", "0.27")), []);
+    let found = warnings_of(read("density = 2750", "density = 27"));
     assert!(
         found
             .iter()
-            .any(|doubt| matches!(doubt, SceneDoubt::Magnitude(m) if m.name == "density"))
+            .any(|warning| matches!(warning, SceneRemark::Magnitude(m) if m.name == "density"))
     );
-    assert!(found.iter().all(SceneDoubt::is_warning));
+    assert!(found.iter().all(SceneRemark::is_warning));
 }
 
 /// Scenes composed in Rust have the same usual ranges: media, size of the body, gravity, duration.
@@ -278,9 +278,9 @@ fn composed_scenes_have_usual_magnitudes() {
             other => panic!("{name}: {other:?}"),
         }
     }
-    let found = doubts_of(scene(1e6, ROCK).allow_magnitudes());
+    let found = warnings_of(scene(1e6, ROCK).allow_magnitudes());
     assert!(
-        matches!(&found[0], SceneDoubt::Magnitude(m) if m.name.contains("diagonal")),
+        matches!(&found[0], SceneRemark::Magnitude(m) if m.name.contains("diagonal")),
         "{found:?}"
     );
 }
@@ -408,12 +408,12 @@ fn what_falls_is_warned_of() {
         Support::roller(mesh.nodes_of_set("bottom").unwrap(), normal)
     };
     let falls = |scene: Scene| {
-        let found = doubts_of(scene);
-        found.contains(&SceneDoubt::Unheld {
+        let found = warnings_of(scene);
+        found.contains(&SceneRemark::UnsupportedBody {
             sets: vec!["rock".into()],
         })
     };
-    let swings = |scene: Scene| doubts_of(scene).contains(&SceneDoubt::SuddenWeight);
+    let swings = |scene: Scene| warnings_of(scene).contains(&SceneRemark::SuddenGravity);
     assert!(falls(bare()));
     assert!(falls(
         bare().with_boundary(Boundary::new(Viscous::default(), SIDES))
@@ -429,11 +429,11 @@ fn what_falls_is_warned_of() {
         assert!(swings(held));
     }
     let staged = bare().stage(SceneStage::new("ground").support(bottom(Vec3::z())));
-    assert_eq!(doubts_of(staged), []);
+    assert_eq!(warnings_of(staged), []);
     // A ramp applies gravity slowly.
     let slow = Scene::new("cube", cube()).part(Part::new("rock", rock()));
     let slow = slow.gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 10.0).min(1.0));
-    assert_eq!(doubts_of(slow.support(bottom(Vec3::z()))), []);
+    assert_eq!(warnings_of(slow.support(bottom(Vec3::z()))), []);
     // One of two bodies is unsupported.
     let two = halves_apart();
     let held = two.nodes_of_set("bottom").unwrap();
@@ -443,8 +443,8 @@ fn what_falls_is_warned_of() {
         .part(part("upper"));
     let scene = weight(scene).support(Support::roller(held, Vec3::z()));
     assert_eq!(
-        doubts_of(scene),
-        [SceneDoubt::Unheld {
+        warnings_of(scene),
+        [SceneRemark::UnsupportedBody {
             sets: vec!["upper".into()]
         }]
     );
@@ -527,10 +527,12 @@ fn rollers_against_the_field_are_warned_of() {
         )
     };
     let held = |remarks: &[Remark]| {
-        doubts(remarks).into_iter().find_map(|doubt| match doubt {
-            SceneDoubt::HeldField { share, .. } => Some(share),
-            _ => None,
-        })
+        warnings(remarks)
+            .into_iter()
+            .find_map(|warning| match warning {
+                SceneRemark::RestrainedField { share, .. } => Some(share),
+                _ => None,
+            })
     };
     let across = slice(&variants, "\"bottom\"", &sides("[1, 0, 0]"));
     assert!(held(&across).is_some_and(|share| share > 0.5), "{across:?}");
@@ -555,11 +557,11 @@ fn an_absorbing_surface_is_warned_of() {
             .replace("[150, 150, 0]\n[time]", "[150, 150, -150]\n[time]");
         let path = variants.0.0.join("top.toml");
         let scene = Scene::from_toml(source, path, &Registry::default()).unwrap();
-        doubts_of(scene)
+        warnings_of(scene)
     };
     assert_eq!(
         found("[boundary]"),
-        [SceneDoubt::AbsorbingSurface { face: "top".into() }]
+        [SceneRemark::AbsorbingSurface { face: "top".into() }]
     );
     assert_eq!(found("[ground]\nsurface = 50\n[boundary]"), []);
     assert_eq!(found("[ground]\nspace = \"full-space\"\n[boundary]"), []);
@@ -575,22 +577,22 @@ fn intervals_that_do_not_fit_the_run_are_warned_of() {
         .unwrap()
         .prepare()
         .unwrap();
-    assert_eq!(doubts(simulation.remarks()), []);
+    assert_eq!(warnings(simulation.remarks()), []);
     let step = simulation.step().unwrap();
     simulation.step().unwrap();
-    let expected = SceneDoubt::ShortInterval {
+    let expected = SceneRemark::ShortInterval {
         what: "histories",
         interval: 1e-5,
         step,
     };
-    assert_eq!(doubts(simulation.remarks()), [expected]);
+    assert_eq!(warnings(simulation.remarks()), [expected]);
     let mut simulation = variants
         .read("every = 0.01", "every = 0.1")
         .unwrap()
         .prepare()
         .unwrap();
     simulation.step().unwrap();
-    assert_eq!(doubts(simulation.remarks()), []);
+    assert_eq!(warnings(simulation.remarks()), []);
     let mut simulation = variants
         .read("every = 0.01", "energies = 0.7")
         .unwrap()
@@ -598,12 +600,12 @@ fn intervals_that_do_not_fit_the_run_are_warned_of() {
         .unwrap();
     simulation.step().unwrap();
     simulation.step().unwrap();
-    let expected = SceneDoubt::LongInterval {
+    let expected = SceneRemark::LongInterval {
         what: "energies",
         interval: 0.7,
         duration: 0.6,
     };
-    assert_eq!(doubts(simulation.remarks()), [expected]);
+    assert_eq!(warnings(simulation.remarks()), [expected]);
 }
 
 /// A number of threads above that of the machine is reduced to it, with a warning.
@@ -614,14 +616,14 @@ fn threads_are_those_of_the_machine() {
         let scene = variants
             .read("title", &format!("threads = {wanted}\ntitle"))
             .unwrap();
-        let found = doubts_of(scene);
-        let [SceneDoubt::Threads { available, .. }] = found[..] else {
+        let found = warnings_of(scene);
+        let [SceneRemark::Threads { available, .. }] = found[..] else {
             panic!("{found:?}")
         };
         assert!(available >= 1 && found[0].is_warning());
     }
     assert_eq!(
-        doubts_of(variants.read("title", "threads = 1\ntitle").unwrap()),
+        warnings_of(variants.read("title", "threads = 1\ntitle").unwrap()),
         []
     );
 }
@@ -630,10 +632,10 @@ fn threads_are_those_of_the_machine() {
 #[test]
 fn a_rim_that_is_all_is_warned_of() {
     let variants = Variants::new("whole-rim");
-    let found = |rim: &str| doubts_of(variants.read("kernel = \"hex8-full\"", rim).unwrap());
+    let found = |rim: &str| warnings_of(variants.read("kernel = \"hex8-full\"", rim).unwrap());
     assert_eq!(
         found("rim = 200"),
-        [SceneDoubt::WholeRim { set: "rock".into() }]
+        [SceneRemark::WholeRim { set: "rock".into() }]
     );
     assert_eq!(found("rim = 0"), []);
 }
@@ -687,12 +689,12 @@ fn what_a_mesh_leaves_out_is_told() {
     fs::write(&path, file).unwrap();
     let text = "title = \"loose\"\n[mesh]\nfile = \"loose.msh\"\n[[material]]\nname = \"m\"\nlaw = \"elastic\"\nyoung = 9e9\npoisson = 0.25\ndensity = 2700\n[[part]]\nset = \"rock\"\nmaterial = \"m\"\n[[part]]\nset = \"ungrouped\"\nmaterial = \"m\"\n[time]\nduration = 0.1\n";
     let scene = Scene::from_toml(text, variants.0.0.join("s.toml"), &Registry::default()).unwrap();
-    let expected = SceneDoubt::MeshFile {
+    let expected = SceneRemark::MeshFile {
         nodes: 1,
         dropped: 1,
         ungrouped: 1,
     };
-    assert_eq!(doubts(scene.remarks()), [expected]);
+    assert_eq!(warnings(scene.remarks()), [expected]);
 }
 
 /// A file that is not an accelerogram is an error that identifies it: an empty file, a mesh, a scene, text.

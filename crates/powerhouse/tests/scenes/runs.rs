@@ -273,7 +273,7 @@ fn misfits_are_refused_by_name() {
     assert!(share.is_err_and(|error| error.to_string().contains("share = 1.5")));
     let idle = Part::new("rock", rock()).with_kernel(SolidKernel::Wedge6);
     let idle = Scene::new("idle", cube()).part(idle).prepare();
-    assert!(matches!(idle, Err(Error::IdleKernel { kernel, .. }) if kernel == "wedge6"));
+    assert!(matches!(idle, Err(Error::UnusedKernel { kernel, .. }) if kernel == "wedge6"));
     let field = Scene::new("field", cube())
         .part(Part::new("rock", rock()))
         .with_start_time(0.0)

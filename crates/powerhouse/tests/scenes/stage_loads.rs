@@ -42,7 +42,7 @@ function = { kind = "sine", frequency = 5 }
 struct Displacements(Arc<Mutex<Vec<Vec<Vec3>>>>);
 
 impl StageSink for Displacements {
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let displacement = stage.state.displacement.clone();
         self.0.lock().unwrap().push(displacement);
         Ok(())

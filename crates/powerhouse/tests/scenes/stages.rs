@@ -13,7 +13,7 @@ use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Bond, ElasticMedium, Mesh, Stress, Vec3};
 use powerhouse::{
-    BoltPlace, Boundary, CompletedStage, Error, InSituStress, Material, OutputPlan, Part, Preload,
+    BoltLayout, Boundary, CompletedStage, Error, InSituStress, Material, OutputPlan, Part, Preload,
     Registry, ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts, SceneJoint, SceneStage,
     StageSink, StagingError,
 };
@@ -226,7 +226,7 @@ fn stages_of_a_file_are_those_of_rust() {
         .load(push)
         .with_bolts(SceneBolts {
             name: "anchors".into(),
-            place: BoltPlace::Pattern {
+            layout: BoltLayout::Pattern {
                 facets: "top".into(),
                 pattern: BoltPattern {
                     along: Vec3::y(),
@@ -238,7 +238,7 @@ fn stages_of_a_file_are_those_of_rust() {
         })
         .with_bolts(SceneBolts {
             name: "nail".into(),
-            place: BoltPlace::Lines(vec![BoltLine {
+            layout: BoltLayout::Lines(vec![BoltLine {
                 head: Vec3::new(9.0, 5.0, 12.0),
                 toe: Vec3::new(10.0, 4.0, 6.5),
             }]),
@@ -362,7 +362,7 @@ struct Seen {
 struct Shown(Arc<Mutex<Vec<Seen>>>);
 
 impl StageSink for Shown {
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let joints = stage.state.joints.iter();
         let records = joints.flat_map(|joint| &joint.records);
         let seen = Seen {
@@ -646,7 +646,7 @@ fn misfits_of_stages_are_refused() {
             .stage(SceneStage::new("once more").excavate("inner")),
     );
     assert_eq!(stage.as_deref(), Some("once more"));
-    assert!(matches!(source, StagingError::NotThere { set, .. } if set == "inner"));
+    assert!(matches!(source, StagingError::NotActive { set, .. } if set == "inner"));
     let split = mesh.split_between(
         mesh.element_set("lower").unwrap(),
         mesh.element_set("upper").unwrap(),

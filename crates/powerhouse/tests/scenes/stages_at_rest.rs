@@ -62,7 +62,7 @@ impl StageSink for Raise {
         assert_eq!(stage, "trench");
         self.0.store(true, Ordering::Relaxed);
     }
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         panic!("{} has come to rest", stage.report.name)
     }
 }
@@ -218,7 +218,7 @@ struct Stresses(Arc<std::sync::Mutex<Vec<StressAtHeight>>>);
 type StressAtHeight = (f64, [f64; 6]);
 
 impl StageSink for Stresses {
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let elements = stage.stress.iter().enumerate();
         let of = elements.map(|(e, stress)| (stage.mesh.centroid(e as u32).z, stress.0));
         *self.0.lock().unwrap() = of.collect();

@@ -9,7 +9,8 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    Doubt, EquilibratedBody, Error, ResultFolder, RunHooks, RunNotes, Scene, SceneText, Simulation,
+    EquilibratedBody, Error, Message, ResultFolder, RunHooks, RunNotes, Scene, SceneText,
+    Simulation,
 };
 
 use super::at_rest::{self, BodyStore};
@@ -48,9 +49,9 @@ impl Sweep {
         let check = check.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(&scene)?, limit)));
         let check = check.transpose()?;
         let size = OutputSize::of(&scene)?;
-        let mut warnings: Vec<Doubt> = crate::warnings(&scene)?
+        let mut warnings: Vec<Message> = crate::warnings(&scene)?
             .iter()
-            .map(Warning::doubt)
+            .map(Warning::message)
             .collect();
         let mut simulation = scene.prepare()?;
         // An invalid step is an error before any file is removed.

@@ -1,7 +1,7 @@
 //! Share of the records that a case covers.
 
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{Doubt, Remark, Scene, Topic};
+use powerhouse::{Message, Remark, Scene, Topic};
 use serde::{Deserialize, Serialize};
 
 use super::CaseInput;
@@ -83,8 +83,8 @@ impl Coverage {
     }
 
     /// The warning about a case that does not cover the strong motion.
-    pub(super) fn warning(&self) -> Option<Doubt> {
-        (!self.is_enough()).then(|| Doubt {
+    pub(super) fn warning(&self) -> Option<Message> {
+        (!self.is_enough()).then(|| Message {
             about: Topic::Input,
             text: format!(
                 "{}: all results are those of the motion until then",

@@ -22,7 +22,7 @@ fn a_body_comes_back_from_its_file() {
         std::fs::write(&file, bad).unwrap();
         let refused = EquilibratedBody::read(&file);
         assert!(
-            matches!(refused, Err(Error::NotABody { .. })),
+            matches!(refused, Err(Error::UnreadableBody { .. })),
             "{refused:?}"
         );
     }

@@ -27,7 +27,7 @@ pub enum Topic {
 
 /// Message: text of a warning or fact with its topic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Doubt {
+pub struct Message {
     /// Topic of the message.
     pub about: Topic,
     /// Text, one sentence.
@@ -41,7 +41,7 @@ pub struct RunNotes {
     /// Remarks of the composition of the scene.
     pub remarks: Vec<Remark>,
     /// Further warnings, such as those of a check.
-    pub warnings: Vec<Doubt>,
+    pub warnings: Vec<Message>,
 }
 
 impl RunNotes {
@@ -52,28 +52,28 @@ impl RunNotes {
     }
     /// The same with warnings that were found otherwise.
     #[must_use]
-    pub fn with_warnings(mut self, warnings: Vec<Doubt>) -> Self {
+    pub fn with_warnings(mut self, warnings: Vec<Message>) -> Self {
         self.warnings = warnings;
         self
     }
     /// Warnings about a topic, as text lines.
     pub(crate) fn about(&self, topic: Topic) -> Vec<String> {
-        let warnings = self.doubts(&[]).into_iter();
+        let warnings = self.all_warnings(&[]).into_iter();
         let own = warnings.filter(|warning| warning.about == topic);
         own.map(|warning| format!("warning: {}", warning.text))
             .collect()
     }
     /// All warnings without repetitions, those of the results last.
-    pub(crate) fn doubts(&self, of_results: &[Remark]) -> Vec<Doubt> {
+    pub(crate) fn all_warnings(&self, of_results: &[Remark]) -> Vec<Message> {
         let remarks = self.remarks.iter().filter(|remark| remark.is_warning());
-        let mut warnings: Vec<Doubt> = Vec::new();
-        let all = (remarks.map(Remark::doubt))
+        let mut warnings: Vec<Message> = Vec::new();
+        let all = (remarks.map(Remark::message))
             .chain(self.warnings.iter().cloned())
-            .chain(of_results.iter().map(Remark::doubt));
+            .chain(of_results.iter().map(Remark::message));
         for warning in all {
             warnings.push(warning);
         }
-        together(warnings)
+        merge_messages(warnings)
     }
     /// Texts of the remarks that are facts.
     pub(crate) fn facts(&self) -> Vec<String> {
@@ -85,16 +85,16 @@ impl RunNotes {
 /// Merges messages that differ only in the first quoted name into one message with all names, and drops repetitions.
 ///
 /// ```
-/// use powerhouse::{Doubt, Topic, together};
-/// let message = |text: &str| Doubt { about: Topic::Run, text: text.into() };
-/// let found = together([
+/// use powerhouse::{Message, Topic, merge_messages};
+/// let message = |text: &str| Message { about: Topic::Run, text: text.into() };
+/// let found = merge_messages([
 ///     message("part 'rock' is damped"),
 ///     message("part 'lining' is damped"),
 ///     message("part 'rock' yields"),
 /// ]);
 /// assert_eq!(found, [message("part 'rock', 'lining' is damped"), message("part 'rock' yields")]);
 /// ```
-pub fn together(messages: impl IntoIterator<Item = Doubt>) -> Vec<Doubt> {
+pub fn merge_messages(messages: impl IntoIterator<Item = Message>) -> Vec<Message> {
     /// Text before the first quoted name, the names, and the text after it.
     struct Frame {
         about: Topic,
@@ -103,7 +103,7 @@ pub fn together(messages: impl IntoIterator<Item = Doubt>) -> Vec<Doubt> {
         behind: String,
     }
     let mut frames: Vec<Frame> = Vec::new();
-    for Doubt { about, text } in messages {
+    for Message { about, text } in messages {
         let named = text.split_once('\'').and_then(|(before, rest)| {
             let (name, behind) = rest.split_once('\'')?;
             Some((before.to_owned(), vec![name.to_owned()], behind.to_owned()))
@@ -128,7 +128,7 @@ pub fn together(messages: impl IntoIterator<Item = Doubt>) -> Vec<Doubt> {
     }
     let whole = |frame: Frame| {
         let names: Vec<String> = frame.names.iter().map(|name| format!("'{name}'")).collect();
-        Doubt {
+        Message {
             about: frame.about,
             text: format!("{}{}{}", frame.before, names.join(", "), frame.behind),
         }

@@ -120,8 +120,8 @@ fn found(text: &str) -> (Results, Vec<Remark>) {
     let mesh = mesh();
     let folder = folder(&mesh);
     let results = run(read(&folder, text).unwrap());
-    let doubts = results.doubts(&mesh);
-    (results, doubts)
+    let warnings = results.warnings(&mesh);
+    (results, warnings)
 }
 
 /// An in-situ stress that is not in equilibrium with gravity has a warning with the unbalanced force over the load; one in
@@ -129,11 +129,11 @@ fn found(text: &str) -> (Results, Vec<Remark>) {
 #[test]
 fn a_stress_that_contradicts_gravity_is_told() {
     let share_of = |text: &str| {
-        let (results, doubts) = found(text);
-        let told = doubts.iter().find_map(|doubt| match doubt {
+        let (results, warnings) = found(text);
+        let told = warnings.iter().find_map(|warning| match warning {
             Remark::Unbalanced { share, stage, .. } => {
                 assert_eq!(stage, "ground");
-                assert!(doubt.is_warning());
+                assert!(warning.is_warning());
                 Some(*share)
             }
             _ => None,
@@ -172,13 +172,17 @@ fn rare_samples_are_told() {
             &format!("every = {every}\nenvelope = {{ quantities = [\"acceleration\"], every = {every} }}\n"),
             1,
         );
-        let (_, doubts) = found(&text);
-        let of_history = doubts
+        let (_, warnings) = found(&text);
+        let of_history = warnings.iter().any(
+            |warning| matches!(warning, Remark::Undersampled { name, .. } if name == "corner"),
+        );
+        let of_envelope = warnings
             .iter()
-            .any(|doubt| matches!(doubt, Remark::Undersampled { name, .. } if name == "corner"));
-        let of_envelope = doubts
-            .iter()
-            .any(|doubt| matches!(doubt, Remark::RareLooks { .. }));
-        assert_eq!([of_history, of_envelope], [rare; 2], "{every}: {doubts:?}");
+            .any(|warning| matches!(warning, Remark::SparseEnvelope { .. }));
+        assert_eq!(
+            [of_history, of_envelope],
+            [rare; 2],
+            "{every}: {warnings:?}"
+        );
     }
 }

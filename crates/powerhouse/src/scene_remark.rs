@@ -7,18 +7,18 @@ use crate::magnitude::Magnitude;
 /// Implausible value or combination in a scene that can be computed nevertheless.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum SceneDoubt {
+pub enum SceneRemark {
     /// Quantity outside its usual range, in a scene that allows such quantities.
     Magnitude(Magnitude),
     /// Body under gravity without supports, boundary springs or stages, which falls freely.
-    Unheld {
+    UnsupportedBody {
         /// Element sets of the body's parts.
         sets: Vec<String>,
     },
     /// Gravity applied suddenly at the start of the run, without a stage in which the body reaches static equilibrium.
-    SuddenWeight,
+    SuddenGravity,
     /// Supports that restrain nodes in a direction in which the free field moves.
-    HeldField {
+    RestrainedField {
         /// Largest velocity of the field along restrained directions over its largest velocity.
         share: f64,
         /// Number of the node with this velocity in the mesh file.
@@ -70,27 +70,27 @@ pub enum SceneDoubt {
     },
 }
 
-impl SceneDoubt {
+impl SceneRemark {
     /// Returns whether this is a warning (`true`) or a fact (`false`).
     pub fn is_warning(&self) -> bool {
         !matches!(self, Self::MeshFile { .. })
     }
 }
 
-impl fmt::Display for SceneDoubt {
+impl fmt::Display for SceneRemark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Magnitude(magnitude) => magnitude.fmt(f),
-            Self::Unheld { sets } => write!(
+            Self::UnsupportedBody { sets } => write!(
                 f,
                 "the body of {} is under gravity and has no support: it falls; give it supports, or a stage in which it reaches static equilibrium",
                 quoted(sets)
             ),
-            Self::SuddenWeight => write!(
+            Self::SuddenGravity => write!(
                 f,
                 "gravity is applied suddenly at the start of the run, and the body oscillates about its static equilibrium; add a stage, in which it reaches equilibrium before"
             ),
-            Self::HeldField { share, node } => write!(
+            Self::RestrainedField { share, node } => write!(
                 f,
                 "the supports restrain node {node} in a direction in which the free field moves with {:.1} % of its largest velocity: they reflect the incident waves",
                 100.0 * share
